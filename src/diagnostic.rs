@@ -1,0 +1,103 @@
+//! Mistakes in the user's text, as data. Only the command line prints them.
+
+use std::{ops::Range, path::PathBuf};
+
+/// One mistake: where it is, what it is, what would be right.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// What is wrong, in one sentence without a full stop.
+    pub message: String,
+    /// The offending bytes of the source text.
+    pub span: Range<usize>,
+    /// A few words beside the marked text; may be empty.
+    pub label: String,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+impl Diagnostic {
+    /// A mistake at `span` with nothing beside the marked text and no help.
+    pub fn new(span: Range<usize>, message: impl Into<String>) -> Self {
+        Self { message: message.into(), span, label: String::new(), help: None }
+    }
+
+    /// Adds words beside the marked text.
+    #[must_use]
+    pub fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = label.into();
+        self
+    }
+
+    /// Adds what to do about it.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// Moves the span by `offset` bytes: from a formula to the file that holds it.
+    #[must_use]
+    pub fn shifted(mut self, offset: usize) -> Self {
+        self.span = self.span.start + offset..self.span.end + offset;
+        self
+    }
+}
+
+/// A file that was refused, with every mistake found in it.
+#[derive(Clone, Debug)]
+pub struct Rejection {
+    /// The file as the user named it.
+    pub path: PathBuf,
+    /// Its text, for the excerpts.
+    pub source: String,
+    /// At least one mistake, in the order of their places.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// The candidate that `word` most likely meant, if one is close enough.
+#[must_use]
+pub fn did_you_mean<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    let limit = 1 + word.chars().count() / 4;
+    candidates
+        .into_iter()
+        .map(|candidate| (edit_distance(word, candidate), candidate))
+        .filter(|&(distance, _)| distance <= limit)
+        .min()
+        .map(|(_, candidate)| candidate)
+}
+
+/// Levenshtein distance over characters; a swap of neighbours counts as one (optimal string
+/// alignment).
+fn edit_distance(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut before = vec![0; b.len() + 1];
+    let mut last: Vec<usize> = (0..=b.len()).collect();
+    for i in 1..=a.len() {
+        let mut row = vec![i; b.len() + 1];
+        for j in 1..=b.len() {
+            let substituted = last[j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            row[j] = substituted.min(last[j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                row[j] = row[j].min(before[j - 2] + 1);
+            }
+        }
+        before = std::mem::replace(&mut last, row);
+    }
+    last[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn close_words_are_suggested_and_far_ones_are_not() {
+        let words = ["resolution", "domain", "sin", "sqrt"];
+        assert_eq!(did_you_mean("resolutoin", words), Some("resolution"));
+        assert_eq!(did_you_mean("sqr", words), Some("sqrt"));
+        assert_eq!(did_you_mean("banana", words), None);
+    }
+}

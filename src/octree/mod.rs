@@ -1,0 +1,72 @@
+//! Storage of the voxels that meet a surface, whatever the storage is.
+//!
+//! Stolte & Kaufman keep storage apart from subdivision (1998, section 4); so does this crate:
+//! voxelization produces voxels, a [`Storage`] holds them, rasterization visits them.
+
+mod normal;
+
+pub use normal::OctNormal;
+
+/// One stored voxel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Voxel {
+    /// Position in the storage's canonical order (Morton order), from 0 without gaps.
+    pub rank: u32,
+    /// Lattice coordinates (x, y, z), each below the lattice's count on its axis.
+    pub ijk: [u32; 3],
+    /// Outward unit normal of the surface at the voxel's centre.
+    pub normal: OctNormal,
+}
+
+/// A run of voxels that are neighbours in canonical order: the unit of parallel work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Level of the octree node whose voxels these are; the root has level 0.
+    pub level: u32,
+    /// Index of that node among the nodes of its level.
+    pub index: u32,
+    /// Coordinates of that node on its level's lattice.
+    pub ijk: [u32; 3],
+}
+
+/// What is known about a place in the domain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Occupancy {
+    /// Proven outside.
+    Empty,
+    /// Proven inside.
+    Inside,
+    /// The surface passes through, or that could not be disproved.
+    Surface,
+}
+
+/// Holds the voxels of one surface.
+pub trait Storage: Send + Sync {
+    /// Number of levels below the root; the lattice has `2^depth` voxels along an axis at most.
+    fn depth(&self) -> u32;
+
+    /// Number of stored voxels.
+    fn voxel_count(&self) -> u32;
+
+    /// Bytes held on the heap.
+    fn bytes(&self) -> u64;
+
+    /// Splits the voxels into parts for parallel traversal, in canonical order. The split depends
+    /// on the stored voxels alone, never on the number of threads.
+    fn parts(&self) -> Vec<Part>;
+
+    /// Calls `visit` for every voxel of `part`, in canonical order.
+    fn visit(&self, part: Part, visit: &mut dyn FnMut(Voxel));
+
+    /// The normal of the voxel at `rank`.
+    ///
+    /// # Panics
+    /// If `rank` is not below [`Storage::voxel_count`].
+    fn normal(&self, rank: u32) -> OctNormal;
+
+    /// The rank of the voxel at `ijk`, if one is stored there.
+    fn find(&self, ijk: [u32; 3]) -> Option<u32>;
+
+    /// What is known about the voxel at `ijk`.
+    fn occupancy(&self, ijk: [u32; 3]) -> Occupancy;
+}

@@ -1,0 +1,24 @@
+//! The picture before it becomes a file: planar buffers, one entry a pixel, rows from the top.
+
+/// A rendered picture with its layers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Linear-light red, green, blue (premultiplied) and alpha.
+    pub rgba: Vec<[f32; 4]>,
+    /// Distance from the eye along the viewing direction, in scene units; [`Frame::FAR`] where
+    /// there is no surface.
+    pub depth: Vec<f32>,
+    /// Outward unit normal in scene coordinates; zero where there is no surface.
+    pub normal: Vec<[f32; 3]>,
+    /// Point of the surface in scene coordinates; zero where there is no surface.
+    pub position: Vec<[f32; 3]>,
+}
+
+impl Frame {
+    /// Depth of the background, as compositors write it.
+    pub const FAR: f32 = 1e10;
+}

@@ -1,0 +1,5 @@
+//! Voxels to pictures.
+
+mod frame;
+
+pub use frame::Frame;
