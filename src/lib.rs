@@ -9,6 +9,7 @@ pub mod math;
 pub mod octree;
 pub mod output;
 pub mod pipeline;
+pub mod progress;
 pub mod raster;
 pub mod scene;
 pub mod voxelize;

@@ -1,1 +1,48 @@
-//! scene
+//! What the user asks for: the scene file mirrored as data (`spec`) and lowered to a [`Scene`].
+
+use std::path::PathBuf;
+
+use crate::{
+    expr::Expr,
+    math::Aabb,
+    raster::{ImageSettings, Material, View},
+};
+
+/// Everything a run needs to know, checked and with all defaults filled in.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The file's stem; outputs are named after it.
+    pub name: String,
+    /// At least one.
+    pub surfaces: Vec<Surface>,
+    /// The box that is searched; finite, not empty.
+    pub domain: Aabb,
+    /// Voxels along the domain's longest axis.
+    pub resolution: u32,
+    /// Where the picture is taken from.
+    pub view: View,
+    /// Size and background of the picture.
+    pub image: ImageSettings,
+    /// Which files to write.
+    pub outputs: Outputs,
+}
+
+/// One surface F = 0.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// For messages and statistics.
+    pub name: String,
+    /// F with F < 0 inside, whatever the file's convention was.
+    pub expr: Expr,
+    /// How it looks.
+    pub material: Material,
+}
+
+/// The files to write; relative names are relative to the output directory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Outputs {
+    /// An sRGB picture.
+    pub png: Option<PathBuf>,
+    /// Linear light and layers.
+    pub exr: Option<PathBuf>,
+}
