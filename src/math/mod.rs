@@ -1,7 +1,21 @@
 //! Numbers: everything here is independent of the rest of the crate.
 
+mod angle;
+mod dual;
+pub mod elementary;
+mod interval;
+mod lanes;
 mod lattice;
 mod morton;
+mod number;
+mod operation;
+mod point;
 
+pub use dual::Dual;
+pub use interval::Interval;
+pub use lanes::{Lanes, Mask, Scalar, SimdLevel, SimdTask};
 pub use lattice::{Aabb, Lattice};
 pub use morton::{morton_decode, morton_encode};
+pub use number::{Constant, MaskOf, Notes, NotesOf, Number, ScalarOf, Token, Wave};
+pub use operation::{Binary, Slot, Unary};
+pub use point::Point;

@@ -1,0 +1,179 @@
+//! A value with its gradient: forward-mode differentiation over any [`Number`].
+//!
+//! Over points this gives normals; over intervals it gives enclosures of the gradient on a box,
+//! with generalised gradients (the hull of both sides) at the kinks of abs, min and max.
+//!
+//! *Based on:* L. Rall, "Automatic Differentiation: Techniques and Applications", 1981.
+
+use super::number::{Constant, MaskOf, NotesOf, Number, Token, Wave};
+
+/// A value and its partial derivatives with respect to x, y and z.
+#[derive(Clone, Copy, Debug)]
+pub struct Dual<N> {
+    /// The value.
+    pub value: N,
+    /// The partial derivatives.
+    pub gradient: [N; 3],
+}
+
+impl<N: Number> Dual<N> {
+    /// The coordinate `axis` (0, 1 or 2) with the given value.
+    #[inline(always)]
+    pub fn variable(value: N, axis: usize) -> Self {
+        let token = value.token();
+        let partial = |i| Constant::exact(if i == axis { 1.0 } else { 0.0 });
+        Self { value, gradient: [0, 1, 2].map(|i| N::constant(token, &partial(i))) }
+    }
+
+    /// The chain rule: `value` with derivative `slope` with respect to `self`.
+    #[inline(always)]
+    fn chain(self, value: N, slope: N) -> Self {
+        Self { value, gradient: self.gradient.map(|d| d.mul(slope)) }
+    }
+
+    #[inline(always)]
+    fn zip(self, b: Self, value: N, f: impl Fn(N, N) -> N) -> Self {
+        let gradient = [0, 1, 2].map(|i| f(self.gradient[i], b.gradient[i]));
+        Self { value, gradient }
+    }
+
+    /// The gradient of the angle of (x, y), y being `self`: (x dy − y dx) / (x² + y²).
+    #[inline(always)]
+    fn angle_gradient(self, x: Self, notes: &mut NotesOf<Self>) -> [N; 3] {
+        let scale = self.value.square().add(x.value.square()).recip(notes);
+        let (along_y, along_x) = (x.value.mul(scale), self.value.mul(scale));
+        [0, 1, 2].map(|i| self.gradient[i].mul(along_y).sub(x.gradient[i].mul(along_x)))
+    }
+}
+
+impl<N: Number> Number for Dual<N> {
+    type Lanes = N::Lanes;
+
+    #[inline(always)]
+    fn constant(token: Token<Self>, c: &Constant) -> Self {
+        let zero = N::constant(token, &Constant::exact(0.0));
+        Self { value: N::constant(token, c), gradient: [zero; 3] }
+    }
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { value: self.value.neg(), gradient: self.gradient.map(N::neg) }
+    }
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        self.zip(b, self.value.add(b.value), N::add)
+    }
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        self.zip(b, self.value.sub(b.value), N::sub)
+    }
+    #[inline(always)]
+    fn mul(self, b: Self) -> Self {
+        let product = self.value.mul(b.value);
+        self.zip(b, product, |da, db| da.mul(b.value).add(db.mul(self.value)))
+    }
+    #[inline(always)]
+    fn add_constant(self, c: &Constant) -> Self {
+        Self { value: self.value.add_constant(c), gradient: self.gradient }
+    }
+    #[inline(always)]
+    fn mul_constant(self, c: &Constant) -> Self {
+        Self {
+            value: self.value.mul_constant(c),
+            gradient: self.gradient.map(|d| d.mul_constant(c)),
+        }
+    }
+    #[inline(always)]
+    fn recip(self, notes: &mut NotesOf<Self>) -> Self {
+        let inverse = self.value.recip(notes);
+        self.chain(inverse, inverse.square().neg())
+    }
+    #[inline(always)]
+    fn square(self) -> Self {
+        self.chain(self.value.square(), self.value.add(self.value))
+    }
+    #[inline(always)]
+    fn powi(self, n: u32) -> Self {
+        if n == 1 {
+            return self;
+        }
+        let slope = self.value.powi(n - 1).mul_constant(&Constant::exact(f64::from(n)));
+        self.chain(self.value.powi(n), slope)
+    }
+    #[inline(always)]
+    fn sqrt(self, notes: &mut NotesOf<Self>) -> Self {
+        let root = self.value.sqrt(notes);
+        self.chain(root, root.add(root).recip(notes))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.chain(self.value.abs(), self.value.abs_slope())
+    }
+    #[inline(always)]
+    fn min(self, b: Self) -> Self {
+        let value = self.value.min(b.value);
+        self.zip(b, value, |da, db| N::choose(self.value, b.value, da, db))
+    }
+    #[inline(always)]
+    fn max(self, b: Self) -> Self {
+        let value = self.value.max(b.value);
+        self.zip(b, value, |da, db| N::choose(self.value, b.value, db, da))
+    }
+    #[inline(always)]
+    fn wave(self, wave: Wave) -> Self {
+        let slope = match wave {
+            Wave::Sin => self.value.wave(Wave::Cos),
+            Wave::Cos => self.value.wave(Wave::Sin).neg(),
+        };
+        self.chain(self.value.wave(wave), slope)
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        let e = self.value.exp();
+        self.chain(e, e)
+    }
+    #[inline(always)]
+    fn ln(self, notes: &mut NotesOf<Self>) -> Self {
+        let value = self.value.ln(notes);
+        self.chain(value, self.value.recip(notes))
+    }
+    #[inline(always)]
+    fn acos(self, notes: &mut NotesOf<Self>) -> Self {
+        let value = self.value.acos(notes);
+        let sine = self.value.square().neg().add_constant(&Constant::exact(1.0)).sqrt(notes);
+        self.chain(value, sine.recip(notes).neg())
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self, lifted: bool, notes: &mut NotesOf<Self>) -> Self {
+        let value = self.value.atan2(x.value, lifted, notes);
+        Self { value, gradient: self.angle_gradient(x, notes) }
+    }
+    #[inline(always)]
+    fn harmonic(self, x: Self, wave: Wave, n: u32, notes: &mut NotesOf<Self>) -> Self {
+        let value = self.value.harmonic(x.value, wave, n, notes);
+        let slope = match wave {
+            Wave::Sin => self.value.harmonic(x.value, Wave::Cos, n, notes),
+            Wave::Cos => self.value.harmonic(x.value, Wave::Sin, n, notes).neg(),
+        };
+        let slope = slope.mul_constant(&Constant::exact(f64::from(n)));
+        Self { value, gradient: self.angle_gradient(x, notes).map(|d| d.mul(slope)) }
+    }
+    #[inline(always)]
+    fn order(self, b: Self) -> (MaskOf<Self>, MaskOf<Self>) {
+        self.value.order(b.value)
+    }
+    #[inline(always)]
+    fn token(self) -> Token<Self> {
+        self.value.token()
+    }
+    #[inline(always)]
+    fn abs_slope(self) -> Self {
+        let slope = self.value.abs_slope();
+        let zero = N::constant(self.token(), &Constant::exact(0.0));
+        Self { value: slope, gradient: [zero; 3] }
+    }
+    #[inline(always)]
+    fn choose(a: Self, b: Self, p: Self, q: Self) -> Self {
+        let choose = |p, q| N::choose(a.value, b.value, p, q);
+        p.zip(q, choose(p.value, q.value), choose)
+    }
+}

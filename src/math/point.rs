@@ -1,0 +1,135 @@
+//! Points: a formula at one place a lane, rounded to nearest. NaN where it is undefined.
+
+use super::{
+    elementary,
+    lanes::Lanes,
+    number::{Constant, MaskOf, NotesOf, Number, Token, Wave, splat_nearest},
+};
+
+/// A value at one point a lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Point<L>(pub L);
+
+impl<L: Lanes> Number for Point<L> {
+    type Lanes = L;
+
+    #[inline(always)]
+    fn constant(token: Token<Self>, c: &Constant) -> Self {
+        Self(splat_nearest(token, c.value))
+    }
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+    #[inline(always)]
+    fn add(self, b: Self) -> Self {
+        Self(self.0 + b.0)
+    }
+    #[inline(always)]
+    fn sub(self, b: Self) -> Self {
+        Self(self.0 - b.0)
+    }
+    #[inline(always)]
+    fn mul(self, b: Self) -> Self {
+        Self(self.0 * b.0)
+    }
+    #[inline(always)]
+    fn recip(self, _: &mut NotesOf<Self>) -> Self {
+        Self(self.0.same(1.0) / self.0)
+    }
+    #[inline(always)]
+    fn square(self) -> Self {
+        Self(self.0 * self.0)
+    }
+    #[inline(always)]
+    fn powi(self, n: u32) -> Self {
+        Self(elementary::powi(self.0, n))
+    }
+    #[inline(always)]
+    fn sqrt(self, _: &mut NotesOf<Self>) -> Self {
+        Self(self.0.sqrt())
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+    #[inline(always)]
+    fn min(self, b: Self) -> Self {
+        Self::choose(self, b, self, b)
+    }
+    #[inline(always)]
+    fn max(self, b: Self) -> Self {
+        Self::choose(self, b, b, self)
+    }
+    #[inline(always)]
+    fn wave(self, wave: Wave) -> Self {
+        Self(match wave {
+            Wave::Sin => elementary::sin(self.0),
+            Wave::Cos => elementary::cos(self.0),
+        })
+    }
+    #[inline(always)]
+    fn exp(self) -> Self {
+        Self(elementary::exp(self.0))
+    }
+    #[inline(always)]
+    fn ln(self, _: &mut NotesOf<Self>) -> Self {
+        Self(elementary::ln(self.0))
+    }
+    #[inline(always)]
+    fn acos(self, _: &mut NotesOf<Self>) -> Self {
+        Self(elementary::acos(self.0))
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self, _lifted: bool, _: &mut NotesOf<Self>) -> Self {
+        Self(elementary::atan2(self.0, x.0))
+    }
+    #[inline(always)]
+    fn harmonic(self, x: Self, wave: Wave, n: u32, _: &mut NotesOf<Self>) -> Self {
+        let (y, x) = (self.0, x.0);
+        let length = (x * x + y * y).sqrt();
+        let (c, s) = complex_powi((x / length, y / length), n);
+        Self(match wave {
+            Wave::Sin => s,
+            Wave::Cos => c,
+        })
+    }
+    #[inline(always)]
+    fn order(self, b: Self) -> (MaskOf<Self>, MaskOf<Self>) {
+        (self.0.lt(b.0), b.0.lt(self.0))
+    }
+    #[inline(always)]
+    fn token(self) -> Token<Self> {
+        self.0.token()
+    }
+    #[inline(always)]
+    fn abs_slope(self) -> Self {
+        let negative = self.0.lt(self.0.same(0.0));
+        Self(L::pick(negative, self.0.same(-1.0), self.0.same(1.0)))
+    }
+    #[inline(always)]
+    fn choose(a: Self, b: Self, p: Self, q: Self) -> Self {
+        // Where a or b is NaN neither comparison holds, and the sum carries the NaN on.
+        let undecided = Self(L::pick(b.0.le(a.0), q.0, a.0 + b.0));
+        Self(L::pick(a.0.lt(b.0), p.0, undecided.0))
+    }
+}
+
+/// The unit complex number (c, s) to the power n.
+#[inline(always)]
+fn complex_powi<L: Lanes>(direction: (L, L), n: u32) -> (L, L) {
+    let product = |a: (L, L), b: (L, L)| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
+    let mut result = None;
+    let mut power = direction;
+    let mut rest = n;
+    while rest > 0 {
+        if rest & 1 == 1 {
+            result = Some(result.map_or(power, |r| product(r, power)));
+        }
+        rest >>= 1;
+        if rest > 0 {
+            power = product(power, power);
+        }
+    }
+    result.unwrap_or((direction.0.same(1.0), direction.0.same(0.0)))
+}
