@@ -41,20 +41,15 @@ impl<L: Lanes> Sector<L> {
         let left = x.hi.le(zero);
         let top = zero.le(y.lo);
         // Each case in turn; the last one is the box below the origin.
-        let cases = |right_v, left_v, top_v, bottom_v| {
-            L::pick(right, right_v, L::pick(left, left_v, L::pick(top, top_v, bottom_v)))
-        };
-        Self {
-            from: (
-                cases(L::pick(below, x.lo, x.hi), L::pick(above, x.hi, x.lo), x.hi, x.lo),
-                cases(y.lo, y.hi, y.lo, y.hi),
-            ),
-            to: (
-                cases(L::pick(above, x.lo, x.hi), L::pick(below, x.hi, x.lo), x.lo, x.hi),
-                cases(y.hi, y.lo, y.lo, y.hi),
-            ),
-            full,
-        }
+        let from_x = L::pick(top, x.hi, x.lo);
+        let from_x = L::pick(left, L::pick(above, x.hi, x.lo), from_x);
+        let from_x = L::pick(right, L::pick(below, x.lo, x.hi), from_x);
+        let from_y = L::pick(right | (top & !left), y.lo, y.hi);
+        let to_x = L::pick(top, x.lo, x.hi);
+        let to_x = L::pick(left, L::pick(below, x.hi, x.lo), to_x);
+        let to_x = L::pick(right, L::pick(above, x.lo, x.hi), to_x);
+        let to_y = L::pick(right | !(left | top), y.hi, y.lo);
+        Self { from: (from_x, from_y), to: (to_x, to_y), full }
     }
 
     /// The lanes in which the sector crosses the cut along the negative x axis, so that `to` lies
@@ -81,8 +76,8 @@ pub(super) fn atan2<L: Lanes>(
     let sector = Sector::of(y, x);
     let zero = x.lo.same(0.0);
     let origin = y.contains_zero() & x.contains_zero();
-    let point = |v: Interval<L>| v.lo.eq(zero) & v.hi.eq(zero);
-    notes.undefined = notes.undefined | (point(x) & point(y));
+    let only_origin = x.lo.eq(zero) & x.hi.eq(zero) & y.lo.eq(zero) & y.hi.eq(zero);
+    notes.undefined = notes.undefined | only_origin;
     let pi = x.lo.same(std::f64::consts::PI);
     let slack = x.lo.same((ATAN2_ERROR + 4.0) * L::Scalar::UNIT);
     let from = elementary::atan2(sector.from.1, sector.from.0);
@@ -139,19 +134,14 @@ impl<L: Lanes> Rotation<L> {
 
     #[inline(always)]
     fn powi(self, n: u32) -> Self {
-        let mut result = None;
-        let mut power = self;
-        let mut rest = n;
-        while rest > 0 {
-            if rest & 1 == 1 {
-                result = Some(result.map_or(power, |r: Self| r.then(power)));
-            }
-            rest >>= 1;
-            if rest > 0 {
-                power = power.then(power);
+        let mut result = self;
+        for bit in (0..n.ilog2()).rev() {
+            result = result.then(result);
+            if n >> bit & 1 == 1 {
+                result = result.then(self);
             }
         }
-        result.unwrap_or(self)
+        result
     }
 
     /// A quarter turn further: cos a = sin(a + π/2).
@@ -202,11 +192,11 @@ pub(super) fn harmonic<L: Lanes>(
     let (from, from_is_unit) = direction(sector.from, zero);
     let (to, to_is_unit) = direction(sector.to, turns);
     let known = from_is_unit & to_is_unit & !sector.full;
-    let turned = |r: Rotation<L>| match wave {
-        Wave::Sin => r.powi(n),
-        Wave::Cos => r.powi(n).quarter_on(),
+    let (from, to) = (from.powi(n), to.powi(n));
+    let (from, to) = match wave {
+        Wave::Sin => (from, to),
+        Wave::Cos => (from.quarter_on(), to.quarter_on()),
     };
-    let (from, to) = (turned(from), turned(to));
     let error = one.same((8.0 * f64::from(n) + 16.0) * L::Scalar::UNIT);
     let (crests_before, troughs_before) = from.extrema_before(-error);
     let (crests, troughs) = to.extrema_before(error);

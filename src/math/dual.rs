@@ -21,20 +21,22 @@ impl<N: Number> Dual<N> {
     #[inline(always)]
     pub fn variable(value: N, axis: usize) -> Self {
         let token = value.token();
-        let partial = |i| Constant::exact(if i == axis { 1.0 } else { 0.0 });
-        Self { value, gradient: [0, 1, 2].map(|i| N::constant(token, &partial(i))) }
+        let mut gradient = [N::constant(token, &Constant::exact(0.0)); 3];
+        gradient[axis] = N::constant(token, &Constant::exact(1.0));
+        Self { value, gradient }
     }
 
     /// The chain rule: `value` with derivative `slope` with respect to `self`.
     #[inline(always)]
     fn chain(self, value: N, slope: N) -> Self {
-        Self { value, gradient: self.gradient.map(|d| d.mul(slope)) }
+        let [x, y, z] = self.gradient;
+        Self { value, gradient: [x.mul(slope), y.mul(slope), z.mul(slope)] }
     }
 
     #[inline(always)]
     fn zip(self, b: Self, value: N, f: impl Fn(N, N) -> N) -> Self {
-        let gradient = [0, 1, 2].map(|i| f(self.gradient[i], b.gradient[i]));
-        Self { value, gradient }
+        let ([ax, ay, az], [bx, by, bz]) = (self.gradient, b.gradient);
+        Self { value, gradient: [f(ax, bx), f(ay, by), f(az, bz)] }
     }
 
     /// The gradient of the angle of (x, y), y being `self`: (x dy − y dx) / (x² + y²).
@@ -42,7 +44,13 @@ impl<N: Number> Dual<N> {
     fn angle_gradient(self, x: Self, notes: &mut NotesOf<Self>) -> [N; 3] {
         let scale = self.value.square().add(x.value.square()).recip(notes);
         let (along_y, along_x) = (x.value.mul(scale), self.value.mul(scale));
-        [0, 1, 2].map(|i| self.gradient[i].mul(along_y).sub(x.gradient[i].mul(along_x)))
+        let turn = self.zip(
+            x,
+            scale,
+            #[inline(always)]
+            |dy, dx| dy.mul(along_y).sub(dx.mul(along_x)),
+        );
+        turn.gradient
     }
 }
 
@@ -56,20 +64,36 @@ impl<N: Number> Number for Dual<N> {
     }
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { value: self.value.neg(), gradient: self.gradient.map(N::neg) }
+        let [x, y, z] = self.gradient;
+        Self { value: self.value.neg(), gradient: [x.neg(), y.neg(), z.neg()] }
     }
     #[inline(always)]
     fn add(self, b: Self) -> Self {
-        self.zip(b, self.value.add(b.value), N::add)
+        self.zip(
+            b,
+            self.value.add(b.value),
+            #[inline(always)]
+            |da, db| da.add(db),
+        )
     }
     #[inline(always)]
     fn sub(self, b: Self) -> Self {
-        self.zip(b, self.value.sub(b.value), N::sub)
+        self.zip(
+            b,
+            self.value.sub(b.value),
+            #[inline(always)]
+            |da, db| da.sub(db),
+        )
     }
     #[inline(always)]
     fn mul(self, b: Self) -> Self {
         let product = self.value.mul(b.value);
-        self.zip(b, product, |da, db| da.mul(b.value).add(db.mul(self.value)))
+        self.zip(
+            b,
+            product,
+            #[inline(always)]
+            |da, db| da.mul(b.value).add(db.mul(self.value)),
+        )
     }
     #[inline(always)]
     fn add_constant(self, c: &Constant) -> Self {
@@ -77,10 +101,9 @@ impl<N: Number> Number for Dual<N> {
     }
     #[inline(always)]
     fn mul_constant(self, c: &Constant) -> Self {
-        Self {
-            value: self.value.mul_constant(c),
-            gradient: self.gradient.map(|d| d.mul_constant(c)),
-        }
+        let [x, y, z] = self.gradient;
+        let gradient = [x.mul_constant(c), y.mul_constant(c), z.mul_constant(c)];
+        Self { value: self.value.mul_constant(c), gradient }
     }
     #[inline(always)]
     fn recip(self, notes: &mut NotesOf<Self>) -> Self {
@@ -111,12 +134,22 @@ impl<N: Number> Number for Dual<N> {
     #[inline(always)]
     fn min(self, b: Self) -> Self {
         let value = self.value.min(b.value);
-        self.zip(b, value, |da, db| N::choose(self.value, b.value, da, db))
+        self.zip(
+            b,
+            value,
+            #[inline(always)]
+            |da, db| N::choose(self.value, b.value, da, db),
+        )
     }
     #[inline(always)]
     fn max(self, b: Self) -> Self {
         let value = self.value.max(b.value);
-        self.zip(b, value, |da, db| N::choose(self.value, b.value, db, da))
+        self.zip(
+            b,
+            value,
+            #[inline(always)]
+            |da, db| N::choose(self.value, b.value, db, da),
+        )
     }
     #[inline(always)]
     fn wave(self, wave: Wave) -> Self {
@@ -155,7 +188,7 @@ impl<N: Number> Number for Dual<N> {
             Wave::Cos => self.value.harmonic(x.value, Wave::Sin, n, notes).neg(),
         };
         let slope = slope.mul_constant(&Constant::exact(f64::from(n)));
-        Self { value, gradient: self.angle_gradient(x, notes).map(|d| d.mul(slope)) }
+        Self { value, gradient: self.angle_gradient(x, notes) }.chain(value, slope)
     }
     #[inline(always)]
     fn order(self, b: Self) -> (MaskOf<Self>, MaskOf<Self>) {
@@ -173,7 +206,12 @@ impl<N: Number> Number for Dual<N> {
     }
     #[inline(always)]
     fn choose(a: Self, b: Self, p: Self, q: Self) -> Self {
-        let choose = |p, q| N::choose(a.value, b.value, p, q);
-        p.zip(q, choose(p.value, q.value), choose)
+        let value = N::choose(a.value, b.value, p.value, q.value);
+        p.zip(
+            q,
+            value,
+            #[inline(always)]
+            |p, q| N::choose(a.value, b.value, p, q),
+        )
     }
 }

@@ -27,9 +27,23 @@ impl Table {
     #[inline(always)]
     fn eval<L: Lanes>(&self, x: L) -> L {
         let coefficients = self.get::<L::Scalar>();
-        let (last, rest) =
-            (coefficients[coefficients.len() - 1], &coefficients[..coefficients.len() - 1]);
-        rest.iter().rev().fold(x.same(last), |sum, &c| sum * x + x.same(c))
+        let mut sum = x.same(coefficients[coefficients.len() - 1]);
+        for &c in coefficients[..coefficients.len() - 1].iter().rev() {
+            sum = sum * x + x.same(c);
+        }
+        sum
+    }
+}
+
+impl Table {
+    /// x − k Σ parts, for a constant that is split into parts.
+    #[inline(always)]
+    fn subtract_multiple<L: Lanes>(&self, x: L, k: L) -> L {
+        let mut rest = x;
+        for &part in self.get::<L::Scalar>() {
+            rest = rest - k * x.same(part);
+        }
+        rest
     }
 }
 
@@ -164,7 +178,7 @@ pub const ACOS_ERROR: f64 = 16.0;
 #[inline(always)]
 fn reduce_quadrant<L: Lanes>(x: L) -> (L, L) {
     let k = (x * x.same(std::f64::consts::FRAC_2_PI)).round();
-    let r = HALF_PI.get::<L::Scalar>().iter().fold(x, |r, &part| r - k * x.same(part));
+    let r = HALF_PI.subtract_multiple(x, k);
     (r, k - (k * x.same(0.25)).floor() * x.same(4.0))
 }
 
@@ -213,7 +227,7 @@ pub fn exp<L: Lanes>(x: L) -> L {
     let (least, most) = (x.same(least), x.same(most));
     let clamped = x.max(least).min(most);
     let k = (clamped * x.same(std::f64::consts::LOG2_E)).round();
-    let r = LN_2.get::<L::Scalar>().iter().fold(clamped, |r, &part| r - k * x.same(part));
+    let r = LN_2.subtract_multiple(clamped, k);
     let v = (x.same(1.0) + (r + r * r * EXP.eval(r))) * k.exp2_integer();
     let v = L::pick(x.lt(least), x.same(0.0), v);
     let v = L::pick(most.lt(x), x.same(f64::INFINITY), v);
@@ -236,7 +250,8 @@ pub fn ln<L: Lanes>(x: L) -> L {
     let u = s * s;
     // ln m = 2s + s u P(u), and 2s = f − s f: the first term is exact, the rest is small.
     let tail = s * (u * LN.eval(u) - f);
-    let [high, low] = [0, 1].map(|i| x.same(LN_2.get::<L::Scalar>()[i]));
+    let ln_2 = LN_2.get::<L::Scalar>();
+    let (high, low) = (x.same(ln_2[0]), x.same(ln_2[1]));
     let v = e * high + (f + (tail + e * low));
     let v = L::pick(x.eq(x.same(f64::INFINITY)), x, v);
     let v = L::pick(x.eq(x.same(0.0)), x.same(f64::NEG_INFINITY), v);
@@ -274,19 +289,18 @@ pub fn acos<L: Lanes>(x: L) -> L {
 /// the error so far and adds one rounding.
 #[inline(always)]
 pub fn powi<L: Lanes>(x: L, n: u32) -> L {
-    let mut result = None;
-    let mut power = x;
-    let mut rest = n;
-    while rest > 0 {
-        if rest & 1 == 1 {
-            result = Some(result.map_or(power, |r| r * power));
-        }
-        rest >>= 1;
-        if rest > 0 {
-            power = power * power;
+    if n == 0 {
+        return x.same(1.0);
+    }
+    // The bits of n below the highest, from the top: square, and multiply where the bit is set.
+    let mut result = x;
+    for bit in (0..n.ilog2()).rev() {
+        result = result * result;
+        if n >> bit & 1 == 1 {
+            result = result * x;
         }
     }
-    result.unwrap_or(x.same(1.0))
+    result
 }
 
 #[cfg(test)]

@@ -104,6 +104,13 @@ impl<L: Lanes> Interval<L> {
     }
 }
 
+/// Whether a whole number plus `phase` lies between two numbers.
+#[inline(always)]
+fn holds_phase<L: Lanes>(from: L, to: L, phase: f64) -> L::Mask {
+    let phase = from.same(phase);
+    (from - phase).le((to - phase).floor())
+}
+
 impl<L: Lanes> Number for Interval<L> {
     type Lanes = L;
 
@@ -227,25 +234,22 @@ impl<L: Lanes> Number for Interval<L> {
         let one = self.lo.same(1.0);
         let inner = self.clamped(-limit, limit);
         let far = self.lo.lt(self.lo.same(-limit)) | self.lo.same(limit).lt(self.hi);
-        let function = match wave {
-            Wave::Sin => elementary::sin,
-            Wave::Cos => elementary::cos,
+        let (a, b) = match wave {
+            Wave::Sin => (elementary::sin(inner.lo), elementary::sin(inner.hi)),
+            Wave::Cos => (elementary::cos(inner.lo), elementary::cos(inner.hi)),
         };
-        let (a, b) = (function(inner.lo), function(inner.hi));
         let error = one.same(TRIG_ERROR * L::Scalar::UNIT);
         let (least, most) = (a.min(b) - error, a.max(b) + error);
 
         let turns = one.same(0.5 * std::f64::consts::FRAC_1_PI);
         let (from, to) = (inner.lo * turns, inner.hi * turns);
         let e = (from.abs().max(to.abs()) + one) * one.same(8.0 * L::Scalar::UNIT);
-        let passes = |phase: f64| {
-            let phase = one.same(phase);
-            (from - phase - e).le((to - phase + e).floor())
-        };
         let (crest, trough) = match wave {
-            Wave::Sin => (passes(0.25), passes(0.75)),
-            Wave::Cos => (passes(0.0), passes(0.5)),
+            Wave::Sin => (0.25, 0.75),
+            Wave::Cos => (0.0, 0.5),
         };
+        let crest = holds_phase(from - e, to + e, crest);
+        let trough = holds_phase(from - e, to + e, trough);
         Self {
             lo: L::pick(trough | far, -one, least.max(-one)),
             hi: L::pick(crest | far, one, most.min(one)),

@@ -6,6 +6,11 @@
 //! `max` are defined by a comparison, because the hardware's own disagree on NaN and signed zero.
 //! The widths are fixed (16 × f32, 8 × f64), never the machine's. A plain `f32` or `f64` is a
 //! vector of one lane, so that scalar code and batches share every formula.
+//!
+//! Code over lanes is compiled once for every instruction set, and that only works if it is inlined
+//! whole into the function that has the instructions enabled: every such function is
+//! `#[inline(always)]`, closures too, and calls through pointers and the closures' way through the
+//! standard library's combinators (`map`, `fold`) are kept out of it.
 
 use std::{
     fmt::Debug,

@@ -66,7 +66,8 @@ impl Lattice {
             let n = i64::from(n_voxels[axis]);
             (0..=n).map(|i| center[axis] + (2 * i - n) as f64 * half).collect()
         });
-        let depth = n_voxels.iter().max().map_or(0, |n| n.next_power_of_two().trailing_zeros());
+        let depth =
+            n_voxels.iter().fold(1, |depth: u32, n| depth.max(n.next_power_of_two().ilog2()));
         Self { n_voxels, depth, voxel_size, corners }
     }
 
@@ -76,7 +77,8 @@ impl Lattice {
         self.n_voxels
     }
 
-    /// Levels of the octree below its root: the least with `2^depth` at least every count.
+    /// Levels of the octree below its root, at least 1: the least with `2^depth` at least every
+    /// count.
     #[must_use]
     pub fn depth(&self) -> u32 {
         self.depth

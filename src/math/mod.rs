@@ -15,7 +15,7 @@ pub use dual::Dual;
 pub use interval::Interval;
 pub use lanes::{Lanes, Mask, Scalar, SimdLevel, SimdTask};
 pub use lattice::{Aabb, Lattice};
-pub use morton::{morton_decode, morton_encode};
+pub use morton::{child_of, morton_decode, morton_encode};
 pub use number::{Constant, MaskOf, Notes, NotesOf, Number, ScalarOf, Token, Wave};
 pub use operation::{Binary, Slot, Unary};
 pub use point::Point;

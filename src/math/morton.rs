@@ -12,6 +12,12 @@ pub fn morton_decode(code: u64) -> [u32; 3] {
     [gather(code), gather(code >> 1), gather(code >> 2)]
 }
 
+/// Coordinates of child `c` = x + 2y + 4z of the node at `ijk`, each on its own level's lattice.
+#[must_use]
+pub fn child_of(ijk: [u32; 3], c: u32) -> [u32; 3] {
+    [ijk[0] << 1 | c & 1, ijk[1] << 1 | c >> 1 & 1, ijk[2] << 1 | c >> 2]
+}
+
 /// Moves bit i to bit 3i.
 fn spread(v: u32) -> u64 {
     let mut v = u64::from(v) & 0x1f_ffff;

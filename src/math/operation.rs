@@ -102,17 +102,83 @@ impl Unary {
         at: (usize, usize),
     ) {
         match self {
-            Self::Neg => map(slots, notes, at, |a, _| a.neg()),
-            Self::Recip => map(slots, notes, at, |a, n| a.recip(n)),
-            Self::Square => map(slots, notes, at, |a, _| a.square()),
-            Self::Powi(n) => map(slots, notes, at, |a, _| a.powi(n)),
-            Self::Sqrt => map(slots, notes, at, |a, n| a.sqrt(n)),
-            Self::Abs => map(slots, notes, at, |a, _| a.abs()),
-            Self::Wave(Wave::Sin) => map(slots, notes, at, |a, _| a.wave(Wave::Sin)),
-            Self::Wave(Wave::Cos) => map(slots, notes, at, |a, _| a.wave(Wave::Cos)),
-            Self::Exp => map(slots, notes, at, |a, _| a.exp()),
-            Self::Ln => map(slots, notes, at, |a, n| a.ln(n)),
-            Self::Acos => map(slots, notes, at, |a, n| a.acos(n)),
+            Self::Neg => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.neg(),
+            ),
+            Self::Recip => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, n| a.recip(n),
+            ),
+            Self::Square => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.square(),
+            ),
+            Self::Powi(n) => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.powi(n),
+            ),
+            Self::Sqrt => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, n| a.sqrt(n),
+            ),
+            Self::Abs => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.abs(),
+            ),
+            Self::Wave(Wave::Sin) => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.wave(Wave::Sin),
+            ),
+            Self::Wave(Wave::Cos) => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.wave(Wave::Cos),
+            ),
+            Self::Exp => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.exp(),
+            ),
+            Self::Ln => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, n| a.ln(n),
+            ),
+            Self::Acos => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, n| a.acos(n),
+            ),
         }
     }
 }
@@ -127,14 +193,56 @@ impl Binary {
         at: (usize, usize, usize),
     ) {
         match self {
-            Self::Add => zip(slots, notes, at, |a, b, _| a.add(b)),
-            Self::Sub => zip(slots, notes, at, |a, b, _| a.sub(b)),
-            Self::Mul => zip(slots, notes, at, |a, b, _| a.mul(b)),
-            Self::Min => zip(slots, notes, at, |a, b, _| a.min(b)),
-            Self::Max => zip(slots, notes, at, |a, b, _| a.max(b)),
-            Self::Atan2 { lifted } => zip(slots, notes, at, |a, b, n| a.atan2(b, lifted, n)),
+            Self::Add => zip(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, b, _| a.add(b),
+            ),
+            Self::Sub => zip(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, b, _| a.sub(b),
+            ),
+            Self::Mul => zip(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, b, _| a.mul(b),
+            ),
+            Self::Min => zip(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, b, _| a.min(b),
+            ),
+            Self::Max => zip(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, b, _| a.max(b),
+            ),
+            Self::Atan2 { lifted } => zip(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, b, n| a.atan2(b, lifted, n),
+            ),
             Self::Harmonic { wave, n: times } => {
-                zip(slots, notes, at, |a, b, n| a.harmonic(b, wave, times, n));
+                zip(
+                    slots,
+                    notes,
+                    at,
+                    #[inline(always)]
+                    |a, b, n| a.harmonic(b, wave, times, n),
+                );
             }
         }
     }
@@ -153,10 +261,34 @@ impl Binary {
     ) {
         let value = N::constant(slots[at.0][0].token(), c);
         match self {
-            Self::Add => map(slots, notes, at, |a, _| a.add_constant(c)),
-            Self::Mul => map(slots, notes, at, |a, _| a.mul_constant(c)),
-            Self::Min => map(slots, notes, at, |a, _| a.min(value)),
-            Self::Max => map(slots, notes, at, |a, _| a.max(value)),
+            Self::Add => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.add_constant(c),
+            ),
+            Self::Mul => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.mul_constant(c),
+            ),
+            Self::Min => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.min(value),
+            ),
+            Self::Max => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.max(value),
+            ),
             _ => unreachable!("operands of {self:?} do not commute"),
         }
     }

@@ -115,21 +115,20 @@ impl<L: Lanes> Number for Point<L> {
     }
 }
 
-/// The unit complex number (c, s) to the power n.
+/// The unit complex number (c, s) to the power n, at least 1.
 #[inline(always)]
 fn complex_powi<L: Lanes>(direction: (L, L), n: u32) -> (L, L) {
-    let product = |a: (L, L), b: (L, L)| (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0);
-    let mut result = None;
-    let mut power = direction;
-    let mut rest = n;
-    while rest > 0 {
-        if rest & 1 == 1 {
-            result = Some(result.map_or(power, |r| product(r, power)));
-        }
-        rest >>= 1;
-        if rest > 0 {
-            power = product(power, power);
+    let mut result = direction;
+    for bit in (0..n.ilog2()).rev() {
+        result = complex_product(result, result);
+        if n >> bit & 1 == 1 {
+            result = complex_product(result, direction);
         }
     }
-    result.unwrap_or((direction.0.same(1.0), direction.0.same(0.0)))
+    result
+}
+
+#[inline(always)]
+fn complex_product<L: Lanes>(a: (L, L), b: (L, L)) -> (L, L) {
+    (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
 }

@@ -3,8 +3,12 @@
 //! Stolte & Kaufman keep storage apart from subdivision (1998, section 4); so does this crate:
 //! voxelization produces voxels, a [`Storage`] holds them, rasterization visits them.
 
+mod masks;
+mod morton;
 mod normal;
 
+pub use masks::{LevelMasks, NodeState, bits};
+pub use morton::MortonOctree;
 pub use normal::OctNormal;
 
 /// One stored voxel.

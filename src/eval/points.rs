@@ -1,0 +1,90 @@
+//! Values and gradients at points, in f64, 16 points a pass.
+
+use fearless_simd::{Simd, f64x8};
+
+use super::Machine;
+use crate::{
+    expr::Tape,
+    math::{Constant, Dual, Lanes, Number, Point},
+};
+
+/// Points evaluated in one pass.
+pub const POINT_BATCH: usize = 16;
+const GROUPS: usize = POINT_BATCH / 8;
+
+/// The coordinates of up to [`POINT_BATCH`] points, axis by axis.
+pub type Points = [[f64; POINT_BATCH]; 3];
+
+/// Evaluates tapes at points; NaN where the formula is undefined.
+pub struct PointEvaluator<S: Simd> {
+    simd: S,
+    machine: Machine<Point<f64x8<S>>, GROUPS>,
+}
+
+impl<S: Simd> PointEvaluator<S> {
+    /// An evaluator for one instruction set.
+    pub fn new(simd: S) -> Self {
+        Self { simd, machine: Machine::default() }
+    }
+
+    /// The values of `tape` at `points`.
+    pub fn eval(&mut self, tape: &Tape, points: &Points) -> [f64; POINT_BATCH] {
+        let Self { simd, machine } = self;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut inputs = [[Point(f64x8::splat(*simd, 0.0)); GROUPS]; 3];
+                for axis in 0..3 {
+                    for g in 0..GROUPS {
+                        inputs[axis][g] = Point(f64x8::load(*simd, &points[axis][8 * g..]));
+                    }
+                }
+                let (values, _) = machine.run::<false>(*simd, tape, &inputs);
+                let mut out = [0.0; POINT_BATCH];
+                for (g, value) in values.iter().enumerate() {
+                    value.0.store(&mut out[8 * g..]);
+                }
+                out
+            },
+        )
+    }
+}
+
+/// Evaluates the gradients of tapes at points; not finite where there is none.
+pub struct GradientEvaluator<S: Simd> {
+    simd: S,
+    machine: Machine<Dual<Point<f64x8<S>>>, GROUPS>,
+}
+
+impl<S: Simd> GradientEvaluator<S> {
+    /// An evaluator for one instruction set.
+    pub fn new(simd: S) -> Self {
+        Self { simd, machine: Machine::default() }
+    }
+
+    /// The gradients of `tape` at `points`, axis by axis.
+    pub fn eval(&mut self, tape: &Tape, points: &Points) -> Points {
+        let Self { simd, machine } = self;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let zero = Dual::constant(*simd, &Constant::exact(0.0));
+                let mut inputs = [[zero; GROUPS]; 3];
+                for axis in 0..3 {
+                    for g in 0..GROUPS {
+                        let value = Point(f64x8::load(*simd, &points[axis][8 * g..]));
+                        inputs[axis][g] = Dual::variable(value, axis);
+                    }
+                }
+                let (values, _) = machine.run::<false>(*simd, tape, &inputs);
+                let mut out = [[0.0; POINT_BATCH]; 3];
+                for (axis, partials) in out.iter_mut().enumerate() {
+                    for (g, value) in values.iter().enumerate() {
+                        value.gradient[axis].0.store(&mut partials[8 * g..]);
+                    }
+                }
+                out
+            },
+        )
+    }
+}

@@ -1,0 +1,267 @@
+//! The default storage: an octree without pointers, its nodes in Morton order.
+//!
+//! A level holds one byte of mixed children and one of inside children for every node, and for
+//! every eight nodes the number of children before them; from that and a population count follows
+//! where a node's children stand. Voxels are the children of the last level; their normals stand
+//! in the same order. Shape takes 2.5 bytes a node, 1.1 bytes a voxel on the paper's scenes; normals
+//! take 4 bytes a voxel.
+
+use std::hash::Hasher;
+
+use siphasher::sip128::{Hasher128, SipHasher13};
+
+use super::{LevelMasks, NodeState, Occupancy, OctNormal, Part, Storage, Voxel, masks::bits};
+use crate::math::child_of;
+
+/// An octree of voxels; see the file's text.
+#[derive(Clone, Debug)]
+pub struct MortonOctree {
+    levels: Vec<Level>,
+    normals: Vec<OctNormal>,
+    /// What the root is; nothing else is stored unless it is mixed.
+    root: NodeState,
+}
+
+#[derive(Clone, Debug)]
+struct Level {
+    masks: LevelMasks,
+    /// Number of children before every eighth node.
+    children_before: Vec<u32>,
+}
+
+impl Level {
+    fn new(masks: LevelMasks) -> Self {
+        let mut sum = 0;
+        let children_before = masks
+            .mixed
+            .chunks(8)
+            .map(|nodes| {
+                let before = sum;
+                sum += nodes.iter().map(|mask| mask.count_ones()).sum::<u32>();
+                before
+            })
+            .collect();
+        Self { masks, children_before }
+    }
+
+    /// Index of the first child of `node` in the next level.
+    fn first_child(&self, node: usize) -> usize {
+        let group = node / 8 * 8;
+        let within: u32 = self.masks.mixed[group..node].iter().map(|mask| mask.count_ones()).sum();
+        (self.children_before[node / 8] + within) as usize
+    }
+
+    /// Index of child `c` of `node` in the next level, if it is mixed.
+    fn child(&self, node: usize, c: u32) -> Option<usize> {
+        let mask = self.masks.mixed[node];
+        let before = mask & ((1_u8 << c) - 1);
+        (mask >> c & 1 == 1).then(|| self.first_child(node) + before.count_ones() as usize)
+    }
+}
+
+/// A part covers nodes of this many levels above the voxels: 32³ voxels.
+const PART_LEVELS: u32 = 5;
+
+impl MortonOctree {
+    /// Puts an octree together from the nodes of all its levels, the root's first, and the normals
+    /// of the voxels, all in Morton order. `root` is what became of the root.
+    ///
+    /// # Panics
+    /// If a level does not have as many nodes as the one above has mixed children, or the number
+    /// of normals is not that of the last level's mixed children.
+    #[must_use]
+    pub fn new(root: NodeState, levels: Vec<LevelMasks>, normals: Vec<OctNormal>) -> Self {
+        let counts = levels.iter().map(LevelMasks::len).skip(1).chain([normals.len()]);
+        for (level, count) in levels.iter().zip(counts) {
+            let children: usize = level.mixed.iter().map(|mask| mask.count_ones() as usize).sum();
+            assert_eq!(children, count, "every mixed child has a node");
+        }
+        assert!(u32::try_from(normals.len()).is_ok(), "voxels are counted in 32 bits");
+        let stored = levels.first().is_some_and(|level| level.len() == 1);
+        assert_eq!(stored, root == NodeState::Mixed, "the root is stored if it is mixed");
+        Self { levels: levels.into_iter().map(Level::new).collect(), normals, root }
+    }
+
+    /// Replaces the normal of a voxel.
+    pub fn set_normal(&mut self, rank: u32, normal: OctNormal) {
+        self.normals[rank as usize] = normal;
+    }
+
+    /// A digest of the whole content; equal octrees have equal digests on every machine.
+    #[must_use]
+    pub fn digest(&self) -> u128 {
+        let mut hasher = SipHasher13::new();
+        for level in &self.levels {
+            hasher.write(&level.masks.mixed);
+            hasher.write(&level.masks.inside);
+        }
+        for normal in &self.normals {
+            hasher.write_u32(normal.to_bits().to_le());
+        }
+        hasher.finish128().as_u128()
+    }
+
+    /// The voxels with the smallest and the largest coordinates on each axis.
+    #[must_use]
+    pub fn bounds(&self) -> Option<([u32; 3], [u32; 3])> {
+        let mut bounds = ([u32::MAX; 3], [0; 3]);
+        for part in self.parts() {
+            self.visit(part, &mut |voxel| {
+                for axis in 0..3 {
+                    bounds.0[axis] = bounds.0[axis].min(voxel.ijk[axis]);
+                    bounds.1[axis] = bounds.1[axis].max(voxel.ijk[axis]);
+                }
+            });
+        }
+        (!self.normals.is_empty()).then_some(bounds)
+    }
+
+    /// The mixed nodes of `level` with their coordinates on that level's lattice.
+    #[must_use]
+    pub fn nodes(&self, level: u32) -> Vec<Part> {
+        let mut nodes = vec![[0; 3]];
+        if self.root != NodeState::Mixed {
+            return Vec::new();
+        }
+        for level in &self.levels[..level as usize] {
+            nodes = nodes
+                .iter()
+                .zip(&level.masks.mixed)
+                .flat_map(|(&ijk, &mask)| bits(mask).map(move |c| child_of(ijk, c)))
+                .collect();
+        }
+        nodes.into_iter().zip(0..).map(|(ijk, index)| Part { level, index, ijk }).collect()
+    }
+
+    fn walk(&self, level: usize, index: usize, ijk: [u32; 3], visit: &mut dyn FnMut(Voxel)) {
+        let Some(here) = self.levels.get(level) else {
+            visit(Voxel { rank: index as u32, ijk, normal: self.normals[index] });
+            return;
+        };
+        let first = here.first_child(index);
+        for (nth, c) in bits(here.masks.mixed[index]).enumerate() {
+            self.walk(level + 1, first + nth, child_of(ijk, c), visit);
+        }
+    }
+}
+
+impl Storage for MortonOctree {
+    fn depth(&self) -> u32 {
+        self.levels.len() as u32
+    }
+
+    fn voxel_count(&self) -> u32 {
+        self.normals.len() as u32
+    }
+
+    fn bytes(&self) -> u64 {
+        let shape: usize = self
+            .levels
+            .iter()
+            .map(|level| 2 * level.masks.len() + 4 * level.children_before.len())
+            .sum();
+        (shape + 4 * self.normals.len()) as u64
+    }
+
+    fn parts(&self) -> Vec<Part> {
+        self.nodes(self.depth().saturating_sub(PART_LEVELS))
+    }
+
+    fn visit(&self, part: Part, visit: &mut dyn FnMut(Voxel)) {
+        self.walk(part.level as usize, part.index as usize, part.ijk, visit);
+    }
+
+    fn normal(&self, rank: u32) -> OctNormal {
+        self.normals[rank as usize]
+    }
+
+    fn find(&self, ijk: [u32; 3]) -> Option<u32> {
+        if self.root != NodeState::Mixed {
+            return None;
+        }
+        let mut node = 0;
+        for (level, shift) in self.levels.iter().zip((0..self.depth()).rev()) {
+            node = level.child(node, octant_of(ijk, shift))?;
+        }
+        Some(node as u32)
+    }
+
+    fn occupancy(&self, ijk: [u32; 3]) -> Occupancy {
+        match self.root {
+            NodeState::Empty => return Occupancy::Empty,
+            NodeState::Inside => return Occupancy::Inside,
+            NodeState::Mixed => {}
+        }
+        let mut node = 0;
+        for (level, shift) in self.levels.iter().zip((0..self.depth()).rev()) {
+            let c = octant_of(ijk, shift);
+            match level.child(node, c) {
+                Some(child) => node = child,
+                None if level.masks.inside[node] >> c & 1 == 1 => return Occupancy::Inside,
+                None => return Occupancy::Empty,
+            }
+        }
+        Occupancy::Surface
+    }
+}
+
+/// Which child holds `ijk` in the node whose children have edges of 2^shift voxels.
+fn octant_of(ijk: [u32; 3], shift: u32) -> u32 {
+    let bit = |v: u32| v >> shift & 1;
+    bit(ijk[0]) | bit(ijk[1]) << 1 | bit(ijk[2]) << 2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::morton_encode;
+    use proptest::prelude::*;
+    use std::collections::BTreeSet;
+
+    const DEPTH: u32 = 6;
+
+    /// The octree of a set of Morton codes, each voxel's normal telling its code.
+    fn octree(codes: &BTreeSet<u64>) -> MortonOctree {
+        let mut nodes: Vec<u64> = codes.iter().copied().collect();
+        let mut levels = Vec::new();
+        for _ in 0..DEPTH {
+            let mut level = LevelMasks::default();
+            let mut parents: Vec<u64> = Vec::new();
+            for code in nodes {
+                if parents.last() != Some(&(code >> 3)) {
+                    parents.push(code >> 3);
+                    level.push(0, 0);
+                }
+                *level.mixed.last_mut().unwrap() |= 1 << (code & 7);
+            }
+            nodes = parents;
+            levels.insert(0, level);
+        }
+        let normals = codes.iter().map(|&code| OctNormal::from_bits(code as u32)).collect();
+        MortonOctree::new(NodeState::Mixed, levels, normals)
+    }
+
+    proptest! {
+        #[test]
+        fn visits_and_finds_exactly_what_is_stored(
+            codes in prop::collection::btree_set(0..1_u64 << (3 * DEPTH), 1..200),
+            other in 0..1_u64 << (3 * DEPTH),
+        ) {
+            let octree = octree(&codes);
+            let mut seen = Vec::new();
+            for part in octree.parts() {
+                octree.visit(part, &mut |voxel| seen.push(voxel));
+            }
+            let order: Vec<u64> = seen.iter().map(|v| morton_encode(v.ijk)).collect();
+            prop_assert!(order.iter().eq(&codes));
+            for (rank, voxel) in seen.iter().enumerate() {
+                prop_assert_eq!(voxel.rank as usize, rank);
+                prop_assert_eq!(octree.find(voxel.ijk), Some(voxel.rank));
+                prop_assert_eq!(voxel.normal.to_bits() as u64, morton_encode(voxel.ijk));
+            }
+            let ijk = crate::math::morton_decode(other);
+            prop_assert_eq!(octree.find(ijk).is_some(), codes.contains(&other));
+            prop_assert_eq!(octree.occupancy(ijk) == Occupancy::Surface, codes.contains(&other));
+        }
+    }
+}

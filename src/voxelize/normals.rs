@@ -1,0 +1,104 @@
+//! Normals of voxels: the analytic gradient at the centre, or what the neighbours say.
+
+use fearless_simd::Simd;
+use glam::DVec3;
+
+use crate::{
+    eval::{GradientEvaluator, POINT_BATCH, Points},
+    expr::Tape,
+    math::Lattice,
+    octree::{MortonOctree, OctNormal, Storage},
+};
+
+/// Finds the normals of one thread's voxels and collects them in order.
+pub(super) struct NormalFinder<'a, S: Simd> {
+    lattice: &'a Lattice,
+    evaluator: GradientEvaluator<S>,
+    normals: Vec<OctNormal>,
+    missing: Vec<u32>,
+}
+
+impl<'a, S: Simd> NormalFinder<'a, S> {
+    pub(super) fn new(simd: S, lattice: &'a Lattice) -> Self {
+        let evaluator = GradientEvaluator::new(simd);
+        Self { lattice, evaluator, normals: Vec::new(), missing: Vec::new() }
+    }
+
+    /// Adds the normals of `voxels`.
+    pub(super) fn find(&mut self, tape: &Tape, voxels: &[[u32; 3]]) {
+        let mut centers: Points = [[0.0; POINT_BATCH]; 3];
+        for batch in voxels.chunks(POINT_BATCH) {
+            for (lane, &ijk) in batch.iter().enumerate() {
+                let center = self.lattice.voxel_center(ijk);
+                (0..3).for_each(|axis| centers[axis][lane] = center[axis]);
+            }
+            let gradients = self.evaluator.eval(tape, &centers);
+            for lane in 0..batch.len() {
+                let gradient = DVec3::from_array([0, 1, 2].map(|axis| gradients[axis][lane]));
+                if !is_usable(gradient) {
+                    self.missing.push(self.normals.len() as u32);
+                }
+                self.normals.push(encode(gradient));
+            }
+        }
+    }
+
+    /// The normals found since the last call, and the places of those without a usable gradient.
+    pub(super) fn take(&mut self) -> (Vec<OctNormal>, Vec<u32>) {
+        (std::mem::take(&mut self.normals), std::mem::take(&mut self.missing))
+    }
+}
+
+/// Whether a vector has a direction.
+fn is_usable(v: DVec3) -> bool {
+    let size = v.abs().max_element();
+    v.is_finite() && size > f64::MIN_POSITIVE / f64::EPSILON
+}
+
+/// The direction of a vector, or +z where it has none.
+fn encode(v: DVec3) -> OctNormal {
+    // Scaled first, so that the sum of the components cannot overflow.
+    if is_usable(v) {
+        OctNormal::encode(v / v.abs().max_element())
+    } else {
+        OctNormal::encode(DVec3::Z)
+    }
+}
+
+/// Gives every voxel in `missing` the mean normal of those of its 26 neighbours that have one.
+/// A cone's tip or a crossing of sheets has no gradient; its neighbours do.
+pub(super) fn fill_missing(octree: &mut MortonOctree, missing: Vec<u32>, lattice: &Lattice) {
+    if missing.is_empty() {
+        return;
+    }
+    let mut places = vec![[0; 3]; missing.len()];
+    for part in octree.parts() {
+        octree.visit(part, &mut |voxel| {
+            if let Ok(i) = missing.binary_search(&voxel.rank) {
+                places[i] = voxel.ijk;
+            }
+        });
+    }
+    let filled: Vec<OctNormal> = places
+        .iter()
+        .map(|&ijk| {
+            let neighbours = neighbours_of(ijk, lattice.n_voxels());
+            let ranks = neighbours.filter_map(|place| octree.find(place));
+            let known = ranks.filter(|rank| missing.binary_search(rank).is_err());
+            encode(known.map(|rank| octree.normal(rank).decode()).sum())
+        })
+        .collect();
+    for (&rank, &normal) in missing.iter().zip(&filled) {
+        octree.set_normal(rank, normal);
+    }
+}
+
+/// The neighbours of a voxel inside the lattice, in a fixed order.
+fn neighbours_of(ijk: [u32; 3], n_voxels: [u32; 3]) -> impl Iterator<Item = [u32; 3]> {
+    (0..27_u32).filter(|&i| i != 13).filter_map(move |i| {
+        let step = [i % 3, i / 3 % 3, i / 9];
+        let place = [0, 1, 2].map(|axis| (ijk[axis] + step[axis]).checked_sub(1));
+        let [Some(x), Some(y), Some(z)] = place else { return None };
+        (x < n_voxels[0] && y < n_voxels[1] && z < n_voxels[2]).then_some([x, y, z])
+    })
+}
