@@ -2,8 +2,12 @@
 //! it is lowered to a hash-consed graph, and the graph is scheduled as a tape.
 
 mod ast;
+mod lex;
+mod parse;
+mod syntax;
 
 pub use ast::{Ast, BinaryOp, Node, NodeId};
+pub use parse::parse;
 
 use crate::diagnostic::Diagnostic;
 
