@@ -1,5 +1,5 @@
-//! From the text of a formula to a program: [`parse`] gives an [`Ast`], names are resolved while
-//! it is lowered to a hash-consed graph, and the graph is scheduled as a tape.
+//! From the text of a formula to a program: [`parse()`] gives an [`Ast`], names are resolved
+//! while it is lowered to a hash-consed graph, and the graph is scheduled as a tape.
 
 mod ast;
 mod lex;
