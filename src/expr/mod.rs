@@ -1,13 +1,17 @@
-//! From the text of a formula to a program: [`parse`] gives an [`Ast`], [`Expr::resolve`] finds what
+//! From the text of a formula to a program: [`parse()`] gives an [`Ast`], [`Expr::resolve`] finds what
 //! its names mean and shares equal parts in a graph, and [`Expr::tape`] schedules the graph.
 
 mod ast;
 mod graph;
+mod lex;
+mod parse;
 mod resolve;
+mod syntax;
 mod tape;
 
 pub use ast::{Ast, BinaryOp, Node, NodeId};
 pub use graph::{Graph, Id};
+pub use parse::parse;
 pub use tape::{Choice, Instruction, Tape};
 
 use crate::{

@@ -1,6 +1,22 @@
 //! What the user asks for: the scene file mirrored as data (`spec`) and lowered to a [`Scene`].
 
+mod camera;
+mod color;
+mod explain;
+mod leaf;
+mod load;
+mod lower;
+mod read;
+mod spec;
+mod surface;
+
+#[cfg(test)]
+mod tests;
+
 use std::path::PathBuf;
+
+pub use load::{load, parse};
+pub use lower::MAX_RESOLUTION;
 
 use crate::{
     expr::Expr,

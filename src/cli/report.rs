@@ -1,0 +1,152 @@
+//! Everything that is said to the user: mistakes, failures, summaries, statistics.
+//!
+//! Standard output carries statistics only, and only if they were asked for; all else goes to
+//! standard error. Nobody can be told that standard error is closed, so that is ignored.
+
+use std::{
+    error::Error as _,
+    fmt::Write as _,
+    io::{self, IsTerminal, Write},
+    ops::Range,
+    path::Path,
+    time::Duration,
+};
+
+use annotate_snippets::{
+    AnnotationKind, Group, Level, Renderer, Snippet, normalize_untrusted_str as clean,
+};
+
+use crate::{
+    Error, Result,
+    diagnostic::{Diagnostic, Rejection},
+    pipeline::Report,
+};
+
+/// So many mistakes of one file are shown; one who makes more wants to start with these.
+const MAX_SHOWN: usize = 20;
+
+/// Whether standard error is a terminal that can redraw a line.
+pub(super) fn is_terminal() -> bool {
+    io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+}
+
+/// Says why a scene was not rendered.
+pub(super) fn failure(error: &Error) {
+    let renderer = renderer();
+    match error {
+        Error::Scene(rejection) => say(&mistakes(rejection, &renderer)),
+        _ => say(&renderer.render(&[title(&with_causes(error))])),
+    }
+}
+
+/// Says what was made of the scene at `path`.
+pub(super) fn summary(path: &Path, report: &Report, time: Duration) {
+    let files: Vec<_> = report.written.iter().map(|file| file.display().to_string()).collect();
+    let files = if files.is_empty() { "no files".to_owned() } else { files.join(", ") };
+    say(&format!("{}: wrote {files} in {:.2} s", path.display(), time.as_secs_f64()));
+}
+
+/// Writes a line to standard output. If nobody reads it any more, that is not a failure.
+pub(super) fn to_stdout(line: &str) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    match writeln!(stdout, "{line}").and_then(|()| stdout.flush()) {
+        Err(source) if source.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Error::Io { action: "write", path: "standard output".into(), source })
+        }
+        _ => Ok(()),
+    }
+}
+
+fn say(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// In colour on a terminal, unless the user wants none (<https://no-color.org>).
+fn renderer() -> Renderer {
+    let is_plain = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    if is_terminal() && !is_plain { Renderer::styled() } else { Renderer::plain() }
+}
+
+fn title(text: &str) -> Group<'_> {
+    Group::with_title(Level::ERROR.primary_title(text))
+}
+
+/// The error's own words and those of what caused it.
+fn with_causes(error: &Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        let _ = write!(text, ": {error}");
+        cause = error.source();
+    }
+    text
+}
+
+/// The mistakes of a file with excerpts, an empty line between them.
+fn mistakes(rejection: &Rejection, renderer: &Renderer) -> String {
+    let path = rejection.path.display().to_string();
+    let shown = rejection.diagnostics.iter().take(MAX_SHOWN);
+    let mut texts: Vec<String> =
+        shown.map(|mistake| excerpt(mistake, &rejection.source, &path, renderer)).collect();
+    let n_hidden = rejection.diagnostics.len().saturating_sub(MAX_SHOWN);
+    if n_hidden > 0 {
+        texts.push(renderer.render(&[title(&format!("{n_hidden} more in {path}"))]));
+    }
+    texts.join("\n\n")
+}
+
+fn excerpt(mistake: &Diagnostic, source: &str, path: &str, renderer: &Renderer) -> String {
+    let mark = AnnotationKind::Primary.span(within(source, &mistake.span));
+    let mark = match mistake.label.as_str() {
+        "" => mark,
+        label => mark.label(clean(label)),
+    };
+    let snippet = Snippet::source(source).path(path).annotation(mark);
+    let group = title(&mistake.message).element(snippet);
+    let help = mistake.help.as_deref().map(|help| Level::HELP.message(clean(help)));
+    renderer.render(&[group.elements(help)])
+}
+
+/// `span` cut to what can be shown: inside the text, at the borders of characters.
+fn within(source: &str, span: &Range<usize>) -> Range<usize> {
+    let start = source.floor_char_boundary(span.start.min(source.len()));
+    let end = source.ceil_char_boundary(span.end.clamp(start, source.len()));
+    start..end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rejection(source: &str, spans: Vec<Range<usize>>) -> Rejection {
+        let diagnostics = spans.into_iter().map(|s| Diagnostic::new(s, "wrong").label("here"));
+        Rejection {
+            path: "a.toml".into(),
+            source: source.to_owned(),
+            diagnostics: diagnostics.collect(),
+        }
+    }
+
+    #[test]
+    fn spans_that_cannot_be_shown_do_no_harm() {
+        let awkward = vec![0..0, Range { start: 5, end: 3 }, 900..901, 1..2, 0..1000];
+        for source in ["", "é", "a\r\nb\n", "\u{1b}[31m"] {
+            let text = mistakes(&rejection(source, awkward.clone()), &Renderer::plain());
+            assert_eq!(text.matches("error: wrong").count(), 5, "{text}");
+            assert!(!text.contains('\u{1b}'));
+        }
+    }
+
+    #[test]
+    fn many_mistakes_are_counted() {
+        let text = mistakes(&rejection("x", vec![0..1; 23]), &Renderer::plain());
+        assert!(text.ends_with("error: 3 more in a.toml"), "{text}");
+    }
+
+    #[test]
+    fn causes_are_told() {
+        let source = io::Error::other("disk on fire");
+        let error = Error::Io { action: "write", path: "a.png".into(), source };
+        assert_eq!(with_causes(&error), "cannot write a.png: disk on fire");
+    }
+}

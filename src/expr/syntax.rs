@@ -1,0 +1,107 @@
+//! What the parser says about mistakes. Every message marks text that is there: where something
+//! is missing, its neighbours.
+
+use std::ops::Range;
+
+use super::lex::{Kind, Token};
+use crate::diagnostic::Diagnostic;
+
+/// A formula and its tokens, to quote from.
+pub(super) struct Quote<'a> {
+    pub(super) text: &'a str,
+    pub(super) tokens: &'a [Token],
+}
+
+impl Quote<'_> {
+    /// The token before `found`.
+    fn before(&self, found: &Token) -> Option<&Token> {
+        let n = self.tokens.partition_point(|token| token.span.start < found.span.start);
+        self.tokens[..n].last()
+    }
+
+    fn of(&self, token: &Token) -> &str {
+        &self.text[token.span.clone()]
+    }
+
+    /// `found` stands where a number, a name or a bracket was wanted.
+    pub(super) fn missing_operand(&self, found: &Token) -> Diagnostic {
+        let here = self.of(found);
+        let Some(last) = self.before(found) else {
+            return match found.kind {
+                Kind::End => Diagnostic::new(0..self.text.len(), "the formula is empty")
+                    .help("write an equation, such as x^2 + y^2 + z^2 = 1"),
+                _ => Diagnostic::new(found.span.clone(), format!("nothing stands before `{here}`"))
+                    .label("a value is missing before this"),
+            };
+        };
+        let before = self.of(last);
+        if found.kind == Kind::End {
+            return Diagnostic::new(last.span.clone(), format!("nothing follows `{before}`"))
+                .label("a value is missing after this")
+                .help("write a number, a name or a bracket after it");
+        }
+        Diagnostic::new(
+            last.span.start..found.span.end,
+            format!("nothing stands between `{before}` and `{here}`"),
+        )
+        .label("a value is missing in here")
+        .help("write a number, a name or a bracket between them")
+    }
+
+    /// `found` follows a complete operand.
+    pub(super) fn missing_operator(&self, found: &Token) -> Diagnostic {
+        let here = self.of(found);
+        let Some(last) = self.before(found) else {
+            return Diagnostic::new(found.span.clone(), format!("`{here}` cannot stand here"));
+        };
+        let before = self.of(last);
+        let help = match found.kind {
+            Kind::Bar => format!("write `{before}*|...|` for a product with an absolute value"),
+            _ => format!("write `{before}*{here}` for a product"),
+        };
+        Diagnostic::new(
+            last.span.start..found.span.end,
+            format!("an operator is missing between `{before}` and `{here}`"),
+        )
+        .label("how are these combined?")
+        .help(help)
+    }
+}
+
+/// The formula ends, or the bracket around this one closes, before `open` does.
+pub(super) fn never_closed(open: &Range<usize>, is_bar: bool) -> Diagnostic {
+    let (opening, closing) = if is_bar { ("|", "|") } else { ("(", ")") };
+    Diagnostic::new(open.clone(), format!("`{opening}` is never closed"))
+        .label("opened here")
+        .help(format!("add the missing `{closing}`"))
+}
+
+pub(super) fn stray_close(span: Range<usize>) -> Diagnostic {
+    Diagnostic::new(span, "`)` closes nothing")
+        .label("no `(` is open here")
+        .help("remove it, or add the `(` that is missing before it")
+}
+
+pub(super) fn stray_comma(span: Range<usize>) -> Diagnostic {
+    Diagnostic::new(span, "`,` stands outside a call")
+        .label("not between arguments")
+        .help("commas separate arguments, as in max(x, y); a decimal number has a point, as in 1.5")
+}
+
+pub(super) fn second_equals(span: Range<usize>) -> Diagnostic {
+    Diagnostic::new(span, "a formula has one `=` at most")
+        .label("the second one")
+        .help("write each equation as a surface of its own")
+}
+
+pub(super) fn equals_in_brackets(span: Range<usize>) -> Diagnostic {
+    Diagnostic::new(span, "`=` stands inside brackets")
+        .label("a bracket is still open here")
+        .help("an equation stands alone: close every bracket before the `=`")
+}
+
+pub(super) fn too_deep(span: Range<usize>, limit: usize) -> Diagnostic {
+    Diagnostic::new(span, format!("brackets are nested more than {limit} deep"))
+        .label("one too many")
+        .help("write the formula with fewer brackets inside one another")
+}

@@ -1,0 +1,109 @@
+//! serde's complaints in the words of a scene file.
+
+use std::ops::Range;
+
+use toml::de::DeValue;
+
+use super::read::Entry;
+use crate::diagnostic::{Diagnostic, did_you_mean};
+
+/// The sections of a scene file.
+const SECTIONS: [&str; 7] = ["version", "surface", "domain", "voxels", "camera", "image", "output"];
+
+/// A key outside the sections, or a section, that does not exist.
+pub(super) fn unknown_section(key: &str, span: Range<usize>) -> Diagnostic {
+    Diagnostic::new(span, format!("unknown key or section `{key}`"))
+        .label("not part of a scene")
+        .help(choices_help(key, &SECTIONS, "a scene has"))
+}
+
+/// How to name the table in which a mistake was made: the section, or the inline table that is
+/// the value of `entry`.
+pub(super) fn place_of_key(
+    section: &str,
+    entry: Option<Entry<'_, '_>>,
+    at: &Range<usize>,
+) -> String {
+    match entry {
+        Some((key, value))
+            if matches!(value.get_ref(), DeValue::Table(_)) && value.span().start <= at.start =>
+        {
+            format!("`{}`", key.get_ref())
+        }
+        _ => section.to_owned(),
+    }
+}
+
+/// The diagnostic for an error of serde at `at` in `place`.
+pub(super) fn refused(error: &toml::de::Error, at: Range<usize>, place: &str) -> Diagnostic {
+    let text = error.message();
+    if let Some((key, choices)) = split(text, "unknown field `", "`, ") {
+        return Diagnostic::new(at, format!("unknown key `{key}` in {place}"))
+            .label(format!("not a key of {place}"))
+            .help(choices_help(key, &quoted(choices), &format!("{place} has")));
+    }
+    if let Some((word, choices)) = split(text, "unknown variant `", "`, ") {
+        return Diagnostic::new(at, format!("unknown value `{word}`"))
+            .label("not one of the choices")
+            .help(choices_help(word, &quoted(choices), "choose from"));
+    }
+    if let Some((key, _)) = split(text, "missing field `", "`") {
+        return Diagnostic::new(at, format!("{place} lacks the key `{key}`"))
+            .label(format!("no `{key}` in here"));
+    }
+    if let Some((found, expected)) = split(text, "invalid type: ", ", expected ") {
+        return with_help(at, &format!("expected {expected}"), Some(found));
+    }
+    match text {
+        "wanted string or table" => Diagnostic::new(at, "expected a word in quotes"),
+        _ => with_help(at, text, None),
+    }
+}
+
+/// The parts of `text` between `start` and the first `middle`, and after that.
+fn split<'a>(text: &'a str, start: &str, middle: &str) -> Option<(&'a str, &'a str)> {
+    text.strip_prefix(start)?.split_once(middle)
+}
+
+/// The words in backticks.
+fn quoted(text: &str) -> Vec<&str> {
+    text.split('`').skip(1).step_by(2).collect()
+}
+
+/// A diagnostic from a text whose second line is help.
+fn with_help(at: Range<usize>, text: &str, found: Option<&str>) -> Diagnostic {
+    let (message, help) = match text.split_once('\n') {
+        Some((message, help)) => (message, Some(help)),
+        None => (text, None),
+    };
+    let mut diagnostic = Diagnostic::new(at, message);
+    if let Some(found) = found {
+        diagnostic = diagnostic.label(format!("this is {}", kind_of(found)));
+    }
+    match help {
+        Some(help) => diagnostic.help(help),
+        None => diagnostic,
+    }
+}
+
+/// The kind of value that serde's description stands for.
+fn kind_of(found: &str) -> &'static str {
+    match found.split(' ').next() {
+        Some("string") => "text",
+        Some("integer") => "a whole number",
+        Some("floating") => "a number with a point",
+        Some("boolean") => "true or false",
+        Some("sequence") => "an array",
+        _ => "a table or a date",
+    }
+}
+
+/// What could have been meant, and everything that could be written.
+fn choices_help(word: &str, choices: &[&str], introduction: &str) -> String {
+    let list: Vec<String> = choices.iter().map(|choice| format!("`{choice}`")).collect();
+    let list = format!("{introduction} {}", list.join(", "));
+    match did_you_mean(word, choices.iter().copied()) {
+        Some(meant) => format!("did you mean `{meant}`?\n{list}"),
+        None => list,
+    }
+}

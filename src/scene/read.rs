@@ -1,0 +1,157 @@
+//! From TOML text to a [`SceneSpec`], with as many mistakes as can be found in one go.
+//!
+//! serde stops at the first mistake. So each section is read on its own, and where one of its
+//! entries is refused, the rest is read again without it.
+
+use std::ops::Range;
+
+use serde::Deserialize;
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue, Deserializer},
+};
+
+use super::{
+    explain::{place_of_key, refused, unknown_section},
+    spec::{SceneSpec, Section, SurfaceSpec, VERSION},
+};
+use crate::diagnostic::Diagnostic;
+
+/// After so many mistakes in one section the reader goes on to the next.
+const MAX_RETRIES: usize = 16;
+
+/// Reads a scene file. The spec lacks every entry that `errors` complains about; there is none at
+/// all if the text is not TOML or has another version.
+pub(super) fn read(source: &str, errors: &mut Vec<Diagnostic>) -> Option<SceneSpec> {
+    let (root, mistakes) = DeTable::parse_recoverable(source);
+    if !mistakes.is_empty() {
+        errors.extend(mistakes.iter().map(syntax));
+        return None;
+    }
+    let root = root.into_inner();
+    if let Err(error) = check_version(&root) {
+        errors.push(error);
+        return None;
+    }
+    Some(sections(root, errors))
+}
+
+/// TOML's own words, cut in message and label.
+fn syntax(error: &toml::de::Error) -> Diagnostic {
+    let (message, label) = match error.message().split_once(", expected ") {
+        Some((message, expected)) => (message, format!("expected {expected}")),
+        None => (error.message(), String::new()),
+    };
+    let diagnostic = Diagnostic::new(error.span().unwrap_or(0..0), message).label(label);
+    match message {
+        "string values must be quoted" => diagnostic
+            .label("not in quotes")
+            .help("write text and formulas in quotes, as in f = \"x^2 + y^2 = 1\""),
+        "duplicate key" => diagnostic.label("given before").help(
+            "remove one of the two; a second surface is a second [[surface]], in double brackets",
+        ),
+        _ => diagnostic,
+    }
+}
+
+fn check_version(root: &DeTable<'_>) -> Result<(), Diagnostic> {
+    let help = format!("this program reads `version = {VERSION}`");
+    let Some((_, version)) = root.iter().find(|(key, _)| key.get_ref() == "version") else {
+        return Err(Diagnostic::new(0..0, "the scene does not say its version")
+            .help(format!("write `version = {VERSION}` as the first line")));
+    };
+    match version.get_ref() {
+        DeValue::Integer(number) if number.as_str() == VERSION => Ok(()),
+        DeValue::Integer(number) => {
+            Err(Diagnostic::new(version.span(), format!("unknown version {number}"))
+                .label("not supported")
+                .help(help))
+        }
+        _ => Err(Diagnostic::new(version.span(), "the version is not a whole number").help(help)),
+    }
+}
+
+fn sections(root: DeTable<'_>, errors: &mut Vec<Diagnostic>) -> SceneSpec {
+    let mut spec = SceneSpec::default();
+    let mut has_surface = false;
+    for (key, value) in root {
+        let key_span = key.span();
+        match key.get_ref().as_ref() {
+            "version" => {}
+            "surface" => {
+                has_surface = true;
+                spec.surfaces = surfaces(value, errors);
+            }
+            "domain" => spec.domain = section("[domain]", value, errors),
+            "voxels" => spec.voxels = section("[voxels]", value, errors),
+            "camera" => spec.camera = section("[camera]", value, errors),
+            "image" => spec.image = section("[image]", value, errors),
+            "output" => spec.output = section("[output]", value, errors),
+            unknown => errors.push(unknown_section(unknown, key_span)),
+        }
+    }
+    if !has_surface {
+        errors.push(
+            Diagnostic::new(0..0, "the scene has no surface")
+                .help("add [[surface]] and below it a formula, as in f = \"x^2 + y^2 + z^2 = 1\""),
+        );
+    }
+    spec
+}
+
+fn surfaces(
+    value: Spanned<DeValue<'_>>,
+    errors: &mut Vec<Diagnostic>,
+) -> Vec<Section<SurfaceSpec>> {
+    let span = value.span();
+    let DeValue::Array(array) = value.into_inner() else {
+        errors.push(
+            Diagnostic::new(span, "a surface is written in double brackets")
+                .label("expected [[surface]]"),
+        );
+        return Vec::new();
+    };
+    if array.is_empty() {
+        errors.push(Diagnostic::new(span, "the scene has no surface"));
+    }
+    array.into_iter().map(|element| section("[[surface]]", element, errors)).collect()
+}
+
+/// Reads one section, without the entries that are refused.
+fn section<'i, T: Deserialize<'i> + Default>(
+    name: &str,
+    value: Spanned<DeValue<'i>>,
+    errors: &mut Vec<Diagnostic>,
+) -> Section<T> {
+    let span = value.span();
+    let damaged = Section { spec: T::default(), span: span.clone(), is_damaged: true };
+    let DeValue::Table(mut table) = value.into_inner() else {
+        errors.push(
+            Diagnostic::new(span, format!("{name} is a section"))
+                .label("expected a table, with its keys on the lines below it"),
+        );
+        return damaged;
+    };
+    for n_refused in 0..MAX_RETRIES {
+        let deserializer = Deserializer::from(Spanned::new(span.clone(), table.clone()));
+        let error = match T::deserialize(deserializer) {
+            Ok(spec) => return Section { spec, span, is_damaged: n_refused > 0 },
+            Err(error) => error,
+        };
+        let at = error.span().unwrap_or(span.clone());
+        let culprit = entry_at(&table, &at);
+        errors.push(refused(&error, at.clone(), &place_of_key(name, culprit, &at)));
+        let Some(key) = culprit.map(|(key, _)| key.clone()) else { break };
+        table.remove(&key);
+    }
+    damaged
+}
+
+/// An entry of a table.
+pub(super) type Entry<'a, 'i> = (&'a Spanned<std::borrow::Cow<'i, str>>, &'a Spanned<DeValue<'i>>);
+
+/// The entry that a mistake at `at` belongs to.
+fn entry_at<'a, 'i>(table: &'a DeTable<'i>, at: &Range<usize>) -> Option<Entry<'a, 'i>> {
+    let covers = |span: Range<usize>| span.start <= at.start && at.end <= span.end;
+    table.iter().find(|(key, value)| covers(key.span()) || covers(value.span()))
+}

@@ -1,0 +1,132 @@
+//! The command as its users meet it: exit codes, output streams, several scenes in one call.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot prepare its case has failed")]
+
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Output, Stdio},
+};
+
+const SPHERE: &str = "version = 1\n[[surface]]\nf = \"x^2 + y^2 + z^2 = 0.5\"\n\
+    [image]\nwidth = 32\nheight = 32\n";
+
+/// Renders in an empty directory that holds `a.toml`, `b.toml` (good) and `bad.toml`.
+fn render(arguments: &[&str]) -> (Output, tempfile::TempDir) {
+    let directory = tempfile::tempdir().unwrap();
+    for (name, text) in [("a", SPHERE), ("b", SPHERE), ("bad", "version = 3")] {
+        fs::write(directory.path().join(name).with_extension("toml"), text).unwrap();
+    }
+    let output = command(directory.path()).args(arguments).output().unwrap();
+    (output, directory)
+}
+
+fn command(directory: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_render"));
+    command.current_dir(directory);
+    command
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+#[test]
+fn a_scene_is_rendered_and_summed_up() {
+    let (output, _) = render(&["a.toml", "--resolution", "8"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(output.stdout.is_empty());
+    assert!(stderr(&output).starts_with("a.toml: wrote out/a.png, out/a.exr in "), "{output:?}");
+    assert_eq!(stderr(&output).lines().count(), 1);
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let (output, _) = render(&["a.toml", "--resolution", "8", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!((output.stdout, output.stderr), (vec![], vec![]));
+}
+
+#[test]
+fn help_and_version_go_to_stdout() {
+    let (output, _) = render(&["--help"]);
+    let help = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    for part in ["--resolution", "--stats", "Examples:", "Exit codes:"] {
+        assert!(help.contains(part), "{part} is not in\n{help}");
+    }
+    let (output, _) = render(&["--version"]);
+    let version = format!("render {}\n", env!("CARGO_PKG_VERSION"));
+    assert_eq!(String::from_utf8(output.stdout).unwrap(), version);
+}
+
+#[test]
+fn wrong_arguments_exit_with_2() {
+    for arguments in [
+        &[][..],
+        &["a.toml", "--threads", "0"],
+        &["a.toml", "--resolution", "99999999"],
+        &["a.toml", "--nonsense"],
+    ] {
+        let (output, _) = render(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty());
+    }
+}
+
+#[test]
+fn a_missing_scene_exits_with_1_and_is_named() {
+    let (output, _) = render(&["nowhere.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).starts_with("error: cannot read nowhere.toml: "), "{output:?}");
+}
+
+#[test]
+fn a_failed_scene_does_not_stop_the_others() {
+    let (output, _) = render(&["bad.toml", "nowhere.toml", "a.toml", "--resolution", "8"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("unknown version 3"));
+    assert!(stderr(&output).contains("a.toml: wrote"));
+}
+
+#[test]
+fn scenes_do_not_overwrite_each_other() {
+    let (output, _) = render(&["a.toml", "a.toml", "--resolution", "8"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("would overwrite out/a.png"), "{output:?}");
+}
+
+#[test]
+fn statistics_are_json_lines() {
+    let (output, directory) =
+        render(&["a.toml", "b.toml", "--resolution", "8", "--stats", "stats.json"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let text = fs::read_to_string(directory.path().join("stats.json")).unwrap();
+    let objects: Vec<serde_json::Value> =
+        text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(objects.len(), 2);
+    assert!(objects.iter().all(serde_json::Value::is_object));
+}
+
+#[test]
+fn statistics_alone_are_on_stdout() {
+    let (output, _) = render(&["a.toml", "--resolution", "8", "--stats", "-"]);
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(value.is_object());
+}
+
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("a.toml"), SPHERE).unwrap();
+    let mut child = command(directory.path())
+        .args(["a.toml", "--resolution", "8", "--stats", "-"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(!stderr(&output).contains("panicked"));
+}
