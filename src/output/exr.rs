@@ -11,7 +11,7 @@ use std::io::{Read, Seek, Write};
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, Error, FlatSamples, Image, Layer,
-    LayerAttributes, LineOrder, ReadChannels, ReadLayers, Vec2, WritableImage, f16, read,
+    LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text, Vec2, WritableImage, f16, read,
 };
 
 use super::{SOFTWARE, WriteError};
@@ -33,9 +33,11 @@ pub fn write(
     options: &ExrOptions,
     out: impl Write + Seek,
 ) -> Result<(), WriteError> {
+    // UTF-8 as it is; `Text::from` would panic at a letter beyond Latin-1.
+    let scene = Text::from_slice_unchecked(options.scene.as_bytes());
     let attributes = LayerAttributes {
         software_name: Some(SOFTWARE.into()),
-        other: [("scene".into(), AttributeValue::Text(options.scene.as_str().into()))].into(),
+        other: [("scene".into(), AttributeValue::Text(scene))].into(),
         ..LayerAttributes::default()
     };
     let encoding = Encoding {
@@ -140,7 +142,7 @@ mod tests {
 
     fn bytes(frame: &Frame) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
-        write(frame, &ExrOptions { scene: "cube".into() }, &mut bytes).unwrap();
+        write(frame, &ExrOptions { scene: "球".into() }, &mut bytes).unwrap();
         bytes.into_inner()
     }
 
@@ -159,7 +161,7 @@ mod tests {
         let frame = picture();
         let first = bytes(&frame);
         assert!((0..8).all(|_| bytes(&frame) == first));
-        let names: [&[u8]; 3] = [b"scene\0string\0", b"cube", SOFTWARE.as_bytes()];
+        let names: [&[u8]; 3] = [b"scene\0string\0", "球".as_bytes(), SOFTWARE.as_bytes()];
         assert!(names.iter().all(|name| first.windows(name.len()).any(|w| w == *name)));
     }
 

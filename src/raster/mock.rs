@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::{Layer, Material};
 use crate::{
-    math::{Aabb, Lattice, morton_decode, morton_encode},
+    math::{Aabb, Lattice, morton_encode},
     octree::{Occupancy, OctNormal, Part, Storage, Voxel},
 };
 
@@ -16,6 +16,8 @@ pub(super) struct Mock {
     pub(super) lattice: Lattice,
     pub(super) voxels: Vec<Voxel>,
     pub(super) parts: Vec<Part>,
+    /// Where each part's voxels begin, by the part's index; one more for the end.
+    starts: Vec<usize>,
 }
 
 impl Mock {
@@ -31,13 +33,18 @@ impl Mock {
             .zip(places)
             .map(|(rank, (ijk, n))| Voxel { rank, ijk, normal: OctNormal::encode(n) })
             .collect();
-        let mut nodes: Vec<u64> =
-            voxels.iter().map(|v| morton_encode(v.ijk) >> (3 * PART_LEVELS)).collect();
-        nodes.dedup();
         let level = lattice.depth().saturating_sub(PART_LEVELS);
-        let part = |(index, &node): (u32, &u64)| Part { level, index, ijk: morton_decode(node) };
-        let parts = (0..).zip(&nodes).map(part).collect();
-        Self { lattice, voxels, parts }
+        let mut starts = Vec::new();
+        let mut parts: Vec<Part> = Vec::new();
+        for voxel in &voxels {
+            let ijk = voxel.ijk.map(|i| i >> PART_LEVELS);
+            if parts.last().is_none_or(|part| part.ijk != ijk) {
+                parts.push(Part { level, index: parts.len() as u32, ijk });
+                starts.push(voxel.rank as usize);
+            }
+        }
+        starts.push(voxels.len());
+        Self { lattice, voxels, parts, starts }
     }
 
     /// The voxels of [-1, 1]^3 that meet the zero set of `f`, judged by its linear part at their
@@ -87,10 +94,8 @@ impl Storage for Mock {
     }
 
     fn visit(&self, part: Part, visit: &mut dyn FnMut(Voxel)) {
-        let node = morton_encode(part.ijk);
-        let start =
-            |n: u64| self.voxels.partition_point(|v| morton_encode(v.ijk) >> (3 * PART_LEVELS) < n);
-        self.voxels[start(node)..start(node + 1)].iter().for_each(|&v| visit(v));
+        let index = part.index as usize;
+        self.voxels[self.starts[index]..self.starts[index + 1]].iter().for_each(|&v| visit(v));
     }
 
     fn normal(&self, rank: u32) -> OctNormal {

@@ -48,7 +48,7 @@ use zbuffer::ZBuffer;
 /// [`crate::Error::Interrupted`] if `progress` asks to stop.
 ///
 /// # Panics
-/// If the layers hold 2^32 - 1 voxels or more together.
+/// If the layers hold 2^32 voxels or more together.
 pub fn render(
     layers: &[Layer<'_>],
     camera: &Camera,

@@ -21,7 +21,7 @@ pub(super) struct Screen {
     pub(super) up: DVec3,
     pub(super) forward: DVec3,
     pub(super) is_parallel: bool,
-    /// Half width of the picture in scene units with parallel rays, for error bounds.
+    /// No ray starts farther from the eye than this on any axis.
     pub(super) radius: f64,
     /// A ray's varying vector is `columns[i] + rows[j]`: its direction in perspective, its origin
     /// in parallel projection.

@@ -49,13 +49,15 @@ pub(super) fn splat(
         .zip(layers)
         .map(|(first_id, layer)| Splatter::new(layer, first_id, screen, zbuffer))
         .collect();
-    let work: Vec<(&Splatter<'_>, Part)> = splatters
+    let mut work: Vec<(f64, &Splatter<'_>, Part)> = splatters
         .iter()
-        .flat_map(|s| s.layer.storage.parts().into_iter().map(move |part| (s, part)))
+        .flat_map(|s| s.layer.storage.parts().into_iter().map(move |part| (s.depth(part), s, part)))
         .collect();
+    // From front to back, so that most of what is hidden finds out early.
+    work.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total = layers.iter().map(|layer| u64::from(layer.storage.voxel_count())).sum();
     progress.begin("rasterize", total, "voxels");
-    work.par_iter().try_for_each(|(splatter, part)| {
+    work.iter().par_bridge().try_for_each(|(_, splatter, part)| {
         if progress.is_cancelled() {
             return Err(Error::Interrupted);
         }
@@ -69,14 +71,13 @@ pub(super) fn splat(
 /// The identity of each layer's voxel of rank 0.
 ///
 /// # Panics
-/// If the identities do not fit: there are 2^32 - 1 of them.
+/// If there are 2^32 voxels or more.
 pub(super) fn first_ids(layers: &[Layer<'_>]) -> impl Iterator<Item = u32> {
     layers.iter().scan(0_u32, |next, layer| {
         let first = *next;
         *next = next
             .checked_add(layer.storage.voxel_count())
-            .filter(|&end| end < u32::MAX)
-            .unwrap_or_else(|| panic!("a picture holds at most {} voxels", u32::MAX - 1));
+            .unwrap_or_else(|| panic!("a picture holds at most {} voxels", u32::MAX));
         Some(first)
     })
 }
@@ -113,6 +114,16 @@ impl<'a> Splatter<'a> {
             half,
             near: NEAR_VOXELS * size,
         }
+    }
+
+    /// Depth of the middle of `part`.
+    fn depth(&self, part: Part) -> f64 {
+        let Layer { storage, lattice, .. } = self.layer;
+        let levels_up = storage.depth() - part.level;
+        let corner =
+            |axis: usize, end: u32| lattice.corner(axis, (part.ijk[axis] + end) << levels_up);
+        let middle = [0, 1, 2].map(|axis| 0.5 * (corner(axis, 0) + corner(axis, 1)));
+        self.screen.forward.dot(DVec3::from_array(middle) - self.screen.eye)
     }
 
     /// Writes the voxels of `part` and returns their number.
