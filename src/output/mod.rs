@@ -1,1 +1,24 @@
-//! output
+//! Results to files: one module per format, and the one way in which files come to be.
+//!
+//! A format writes to any `Write`; [`write_file`] gives it a file that appears under its name only
+//! when it is complete. The same result gives the same bytes: no file holds a date.
+
+mod atomic;
+pub mod exr;
+pub mod png;
+
+pub use atomic::write_file;
+
+/// What files say about the program that made them.
+const SOFTWARE: &str = concat!("zeroset ", env!("CARGO_PKG_VERSION"));
+
+/// Why a format could not be written; [`write_file`] adds the file's name.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The bytes did not reach their destination.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// The data cannot be expressed in the format; the encoder's own words.
+    #[error("{0}")]
+    Encode(String),
+}

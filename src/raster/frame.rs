@@ -21,4 +21,18 @@ pub struct Frame {
 impl Frame {
     /// Depth of the background, as compositors write it.
     pub const FAR: f32 = 1e10;
+
+    /// A picture without any surface, all of one colour.
+    #[must_use]
+    pub fn filled(width: u32, height: u32, rgba: [f32; 4]) -> Self {
+        let n = width as usize * height as usize;
+        Self {
+            width,
+            height,
+            rgba: vec![rgba; n],
+            depth: vec![Self::FAR; n],
+            normal: vec![[0.0; 3]; n],
+            position: vec![[0.0; 3]; n],
+        }
+    }
 }

@@ -1,0 +1,76 @@
+//! Which voxel a pixel shows: the nearest one that its ray *meets*, or one that merely *covers* it.
+//!
+//! Cubes stick out of the surface, by up to the length of a diagonal. Were the nearest cube shown,
+//! every sheet would be hidden behind the corners of its own voxels, and what is seen through the
+//! corners would change from pixel to pixel. A met voxel is as deep as the surface is, up to a
+//! voxel, and the met parts of neighbours close up. So a met voxel is shown, except where a
+//! covering one in front of it belongs to another sheet: the rim of something nearer.
+//!
+//! *One sheet or two?* Let a flat sheet with unit normal n run through voxels of size h. A voxel's
+//! cube reaches h/2 |n|₁ from its centre along n, and every cube meets the sheet, so all points of
+//! all cubes are at most h |n|₁ away from it. Hence two hits on one flat sheet differ by at most
+//! 2 h |n|₁ along n. This is asked along both hits' normals, with half a voxel more for curvature.
+//! A bound on the depths alone would have to be far larger: at grazing incidence a ray runs
+//! through the cubes of one sheet for many voxels before it gets to a plane.
+//!
+//! *Silhouettes.* A covered pixel with nothing behind, or with another sheet behind, shows the
+//! covering voxel: the outline is that of the union of cubes, the smallest one that is certain to
+//! contain the surface. Just inside it, a ray that passes over the rim meets the first voxels that
+//! face away; their normals are all but at right angles to the ray, as the surface's there is.
+
+use super::{Layer, screen::Ray, splat::first_ids, zbuffer::Hit};
+use glam::DVec3;
+
+/// Largest distance along the normal between two hits of one sheet, in projected voxel sizes.
+const SHEET_VOXELS: f64 = 2.5;
+
+/// Finds voxels by their identity.
+pub(super) struct Voxels<'a> {
+    layers: &'a [Layer<'a>],
+    first_ids: Vec<u32>,
+}
+
+/// A voxel that a pixel may show.
+#[derive(Clone, Copy)]
+pub(super) struct Candidate<'a> {
+    pub(super) layer: &'a Layer<'a>,
+    pub(super) depth: f64,
+    pub(super) normal: DVec3,
+}
+
+impl<'a> Voxels<'a> {
+    pub(super) fn new(layers: &'a [Layer<'a>]) -> Self {
+        Self { layers, first_ids: first_ids(layers).collect() }
+    }
+
+    /// The hit that a pixel shows, of the nearest of each kind.
+    pub(super) fn shown(
+        &self,
+        ray: &Ray,
+        met: Option<Hit>,
+        covered: Option<Hit>,
+    ) -> Option<Candidate<'a>> {
+        match (met, covered) {
+            (Some(met), Some(covered)) if covered.depth < met.depth => {
+                let (met, covered) = (self.candidate(met), self.candidate(covered));
+                Some(if is_one_sheet(ray, &met, &covered) { met } else { covered })
+            }
+            (met, covered) => met.or(covered).map(|hit| self.candidate(hit)),
+        }
+    }
+
+    fn candidate(&self, hit: Hit) -> Candidate<'a> {
+        // An empty layer shares its first identity with the next one, which is the owner.
+        let owner = self.first_ids.partition_point(|&first| first <= hit.id) - 1;
+        let layer = &self.layers[owner];
+        let normal = layer.storage.normal(hit.id - self.first_ids[owner]).decode();
+        Candidate { layer, depth: f64::from(hit.depth), normal }
+    }
+}
+
+fn is_one_sheet(ray: &Ray, met: &Candidate<'_>, covered: &Candidate<'_>) -> bool {
+    let between = (met.depth - covered.depth) * ray.direction;
+    let size = met.layer.lattice.voxel_size().max(covered.layer.lattice.voxel_size());
+    let is_near = |n: DVec3| n.dot(between).abs() <= SHEET_VOXELS * size * n.abs().element_sum();
+    is_near(met.normal) && is_near(covered.normal)
+}

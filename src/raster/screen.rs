@@ -1,0 +1,132 @@
+//! The pixels of one picture: their centre rays, and which of them a box may touch.
+//!
+//! All positions here are relative to the eye, where precision is needed most.
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::Camera;
+
+/// Pixels that a box may touch lie within this many pixels of its projection. Generous: it covers
+/// rounding, and the pixels that it adds fail the exact test.
+const SLACK_PX: f64 = 1e-6;
+
+/// A camera with a grid of pixels before it.
+pub(super) struct Screen {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) eye: DVec3,
+    pub(super) right: DVec3,
+    pub(super) up: DVec3,
+    pub(super) forward: DVec3,
+    pub(super) is_parallel: bool,
+    /// No ray starts farther from the eye than this on any axis.
+    pub(super) radius: f64,
+    /// A ray's varying vector is `columns[i] + rows[j]`: its direction in perspective, its origin
+    /// in parallel projection.
+    columns: Vec<DVec3>,
+    rows: Vec<DVec3>,
+    /// Dotted with a point: pixels to the right of the middle (times depth, in perspective).
+    across: DVec3,
+    /// Dotted with a point: pixels below the middle (times depth, in perspective).
+    down: DVec3,
+    /// The middle of the picture, counted in pixel centres.
+    middle: [f64; 2],
+}
+
+/// The centre ray of a pixel: `origin + t * direction`, relative to the eye.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ray {
+    pub(super) origin: DVec3,
+    pub(super) direction: DVec3,
+}
+
+impl Ray {
+    pub(super) fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+}
+
+/// Pixels that a box may touch, and the least depth at which it does.
+#[derive(Clone, Debug)]
+pub(super) struct Footprint {
+    pub(super) columns: Range<usize>,
+    pub(super) rows: Range<usize>,
+    pub(super) nearest: f64,
+}
+
+impl Screen {
+    pub(super) fn new(camera: &Camera, width: u32, height: u32) -> Self {
+        let super::camera::Basis { right, up, forward } = camera.basis;
+        let (w, h) = (f64::from(width), f64::from(height));
+        let half = camera.half_size;
+        let common = if camera.is_parallel { DVec3::ZERO } else { forward };
+        let column = |i: u32| right * ((f64::from(2 * i + 1) - w) / w * half.x);
+        let row = |j: u32| common + up * ((h - f64::from(2 * j + 1)) / h * half.y);
+        Self {
+            width: width as usize,
+            height: height as usize,
+            eye: camera.eye,
+            right,
+            up,
+            forward,
+            is_parallel: camera.is_parallel,
+            radius: if camera.is_parallel { half.x + half.y } else { 0.0 },
+            columns: (0..width).map(column).collect(),
+            rows: (0..height).map(row).collect(),
+            across: right * (0.5 * w / half.x),
+            down: up * (-0.5 * h / half.y),
+            middle: [0.5 * w - 0.5, 0.5 * h - 0.5],
+        }
+    }
+
+    pub(super) fn n_pixels(&self) -> usize {
+        self.width * self.height
+    }
+
+    #[inline]
+    pub(super) fn ray(&self, column: usize, row: usize) -> Ray {
+        let varying = self.columns[column] + self.rows[row];
+        if self.is_parallel {
+            Ray { origin: varying, direction: self.forward }
+        } else {
+            Ray { origin: DVec3::ZERO, direction: varying }
+        }
+    }
+
+    /// Half extents of an axis-aligned box in picture axes: pixels across, pixels down (both times
+    /// depth in perspective), depth. `half` are its half extents in scene units.
+    pub(super) fn extent(&self, half: DVec3) -> DVec3 {
+        let of = |axis: DVec3| axis.abs().dot(half);
+        DVec3::new(of(self.across), of(self.down), of(self.forward))
+    }
+
+    /// Bounds what the box around `center` with half extents `extent` (from [`Screen::extent`])
+    /// touches at depth `near` or farther; `None` if that is nothing.
+    ///
+    /// In perspective the box projects into [x - ex, x + ex] / [max(z - ez, near), z + ez], an
+    /// interval division; z - ez < near needs no special case, as the divisor stays positive.
+    #[inline]
+    pub(super) fn footprint(&self, center: DVec3, extent: DVec3, near: f64) -> Option<Footprint> {
+        let z = self.forward.dot(center);
+        let farthest = z + extent.z;
+        if farthest < near {
+            return None;
+        }
+        let nearest = (z - extent.z).max(near);
+        let (per_near, per_far) =
+            if self.is_parallel { (1.0, 1.0) } else { (1.0 / nearest, 1.0 / farthest) };
+        let pixels = |at: f64, half: f64, middle: f64, n: usize| {
+            let (lo, hi) = (at - half, at + half);
+            let lo = middle + lo * if lo < 0.0 { per_near } else { per_far };
+            let hi = middle + hi * if hi < 0.0 { per_far } else { per_near };
+            // Ceiling and floor by truncation, which saturates: negative numbers become 0.
+            let first = (lo + (1.0 - SLACK_PX)) as u32 as usize;
+            first..((hi + (1.0 + SLACK_PX)) as u32 as usize).min(n)
+        };
+        let columns = pixels(self.across.dot(center), extent.x, self.middle[0], self.width);
+        let rows = pixels(self.down.dot(center), extent.y, self.middle[1], self.height);
+        (!columns.is_empty() && !rows.is_empty()).then_some(Footprint { columns, rows, nearest })
+    }
+}
