@@ -12,6 +12,7 @@ pub mod pipeline;
 pub mod progress;
 pub mod raster;
 pub mod scene;
+pub mod statistics;
 pub mod voxelize;
 
 pub use error::{Error, Result};

@@ -1,20 +1,30 @@
-//! pipeline
+//! From a scene to files: the only place where one stage hands its result to the next.
 
-use std::path::PathBuf;
+use std::{num::NonZeroUsize, path::PathBuf, thread, time::Instant};
 
-use crate::{Result, progress::Progress, scene::Scene};
+use crate::{
+    Error, Result,
+    math::{Lattice, SimdLevel},
+    octree::{MortonOctree, Storage},
+    output::{self, exr, png},
+    progress::Progress,
+    raster::{self, Camera, Frame, Layer},
+    scene::{Scene, Surface},
+    statistics::{self, Boxes, DomainBox, Statistics, Times, Voxels, hex},
+    voxelize::{self, Voxelization, sample_field},
+};
 
-/// How to run.
+/// What the user may change for one run without touching the scene.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Where files are written.
     pub out_dir: PathBuf,
-    /// Threads, or all that there are.
-    pub threads: Option<usize>,
-    /// Instead of the scene's own.
+    /// Number of threads; one for each core where `None`. Results do not depend on it.
+    pub threads: Option<NonZeroUsize>,
+    /// Voxels along the longest axis, instead of the scene's own.
     pub resolution: Option<u32>,
-    /// SIMD level, or the best that there is.
-    pub simd: Option<String>,
+    /// Instruction set; the machine's best where `None`. Results do not depend on it.
+    pub simd: Option<SimdLevel>,
 }
 
 /// What a run did.
@@ -22,25 +32,150 @@ pub struct Options {
 pub struct Report {
     /// Numbers.
     pub statistics: Statistics,
-    /// Files.
+    /// The files written, in order.
     pub written: Vec<PathBuf>,
 }
 
-/// Numbers of a run.
-#[derive(Clone, Debug, serde::Serialize)]
-pub struct Statistics {
-    /// The scene's name.
-    pub scene: String,
+/// What a scene looks like, before it goes to files.
+#[derive(Debug)]
+pub struct Picture {
+    /// The picture with its layers.
+    pub frame: Frame,
+    /// One octree for each surface of the scene.
+    pub octrees: Vec<MortonOctree>,
+    /// Numbers.
+    pub statistics: Statistics,
 }
 
-/// Runs.
+/// Renders `scene` and writes its files.
 ///
 /// # Errors
-/// None yet.
-pub fn run(scene: &Scene, options: &Options, _progress: &dyn Progress) -> Result<Report> {
-    let files = [&scene.outputs.png, &scene.outputs.exr];
-    Ok(Report {
-        statistics: Statistics { scene: scene.name.clone() },
-        written: files.into_iter().flatten().map(|file| options.out_dir.join(file)).collect(),
-    })
+/// [`Error::Empty`] if no surface meets the domain, [`Error::Limit`] if the scene is too large,
+/// [`Error::Interrupted`] if `progress` asks to stop, [`Error::Io`] and [`Error::Encode`] if a file
+/// cannot be written. No file is left half written.
+pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Report> {
+    let Picture { frame, mut statistics, .. } = render(scene, options, progress)?;
+    let start = Instant::now();
+    let written = write(scene, options, &frame, progress)?;
+    statistics.time_s.write = start.elapsed().as_secs_f64();
+    statistics.peak_memory_bytes = statistics::peak_memory_bytes();
+    Ok(Report { statistics, written })
+}
+
+/// Renders `scene` and writes nothing.
+///
+/// # Errors
+/// As [`run`], without those of files.
+pub fn render(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Picture> {
+    let n_threads = options
+        .threads
+        .or_else(|| thread::available_parallelism().ok())
+        .map_or(1, NonZeroUsize::get);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(n_threads)
+        .build()
+        .map_err(|error| Error::Limit(format!("cannot start {n_threads} threads: {error}")))?;
+    pool.install(|| render_with_all_threads(scene, options, progress))
+}
+
+fn render_with_all_threads(
+    scene: &Scene,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Picture> {
+    let simd = options.simd.unwrap_or_else(SimdLevel::detect);
+    let lattice = Lattice::new(scene.domain, options.resolution.unwrap_or(scene.resolution));
+
+    let start = Instant::now();
+    let voxelizations = scene
+        .surfaces
+        .iter()
+        .map(|surface| voxelize::voxelize(&surface.expr, &lattice, simd, progress))
+        .collect::<Result<Vec<Voxelization>>>()?;
+    let voxelize = start.elapsed().as_secs_f64();
+    let n_voxels: u64 = voxelizations.iter().map(|v| u64::from(v.octree.voxel_count())).sum();
+    if n_voxels == 0 {
+        return Err(nothing_found(scene, &lattice, simd));
+    }
+    if n_voxels > u64::from(u32::MAX) {
+        return Err(Error::Limit(format!(
+            "the surfaces have {n_voxels} voxels together, more than {}; lower `resolution` in \
+             [voxels]",
+            u32::MAX
+        )));
+    }
+
+    let start = Instant::now();
+    let layers: Vec<Layer<'_>> = scene
+        .surfaces
+        .iter()
+        .zip(&voxelizations)
+        .map(|(surface, found)| Layer {
+            storage: &found.octree,
+            lattice: &lattice,
+            material: surface.material,
+        })
+        .collect();
+    let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
+    let camera = Camera::new(&scene.view, aspect, layers.as_slice());
+    let frame = raster::render(&layers, &camera, &scene.image, progress)?;
+    let rasterize = start.elapsed().as_secs_f64();
+
+    let statistics = Statistics {
+        scene: scene.name.clone(),
+        resolution: lattice.n_voxels(),
+        domain: DomainBox::from(lattice.bounds()),
+        boxes: Boxes::sum(voxelizations.iter().map(|v| v.boxes_tested.as_slice())),
+        voxels: Voxels { stored: n_voxels },
+        octree: statistics::Octree {
+            bytes: voxelizations.iter().map(|v| v.octree.bytes()).sum(),
+            digests: voxelizations.iter().map(|v| hex(v.octree.digest())).collect(),
+        },
+        frame: statistics::Frame::from(&frame.digest()),
+        precision: voxelizations[0].precision.name(),
+        simd: simd.name(),
+        threads: rayon::current_num_threads(),
+        time_s: Times { voxelize, rasterize, write: 0.0 },
+        peak_memory_bytes: statistics::peak_memory_bytes(),
+    };
+    let octrees = voxelizations.into_iter().map(|found| found.octree).collect();
+    Ok(Picture { frame, octrees, statistics })
+}
+
+/// Says why there is no voxel: what values F takes, and where it comes nearest to zero.
+fn nothing_found(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Error {
+    let describe = |surface: &Surface| {
+        let range = sample_field(&surface.expr, lattice.bounds(), simd);
+        format!("`{}` does not meet the domain: {range}", surface.name)
+    };
+    let surfaces: Vec<String> = scene.surfaces.iter().map(describe).collect();
+    Error::Empty(surfaces.join("\n"))
+}
+
+fn write(
+    scene: &Scene,
+    options: &Options,
+    frame: &Frame,
+    progress: &dyn Progress,
+) -> Result<Vec<PathBuf>> {
+    let mut written = Vec::new();
+    let mut write_one =
+        |name: &PathBuf, write: &dyn Fn(&mut output::FileWriter) -> output::Written| {
+            if progress.is_cancelled() {
+                return Err(Error::Interrupted);
+            }
+            let path = options.out_dir.join(name);
+            output::write_file(&path, write)?;
+            written.push(path);
+            Ok(())
+        };
+    if let Some(name) = &scene.outputs.png {
+        let options = png::PngOptions { description: scene.name.clone() };
+        write_one(name, &|out| png::write(frame, &options, out))?;
+    }
+    if let Some(name) = &scene.outputs.exr {
+        let options = exr::ExrOptions { scene: scene.name.clone() };
+        write_one(name, &|out| exr::write(frame, &options, out))?;
+    }
+    Ok(written)
 }

@@ -1,10 +1,10 @@
 //! What was typed, and what it asks for. Nothing else sees clap.
 
-use std::path::PathBuf;
+use std::{num::NonZeroUsize, path::PathBuf};
 
 use clap::{Parser, value_parser};
 
-use crate::{pipeline::Options, scene::MAX_RESOLUTION};
+use crate::{math::SimdLevel, pipeline::Options, scene::MAX_RESOLUTION};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -41,8 +41,8 @@ struct Args {
     resolution: Option<u32>,
 
     /// SIMD level [default: the best of this machine]; the result does not depend on it
-    #[arg(long, value_name = "LEVEL")]
-    simd: Option<String>,
+    #[arg(long, value_name = "LEVEL", value_parser = simd_level)]
+    simd: Option<SimdLevel>,
 
     /// Write statistics to FILE (- for standard output): one JSON object a line for each scene
     #[arg(long, value_name = "FILE|-")]
@@ -51,6 +51,13 @@ struct Args {
     /// Show no progress and no summary; only mistakes and failures
     #[arg(long, short)]
     quiet: bool,
+}
+
+fn simd_level(name: &str) -> Result<SimdLevel, String> {
+    SimdLevel::from_name(name).ok_or_else(|| {
+        let available: Vec<_> = SimdLevel::available().into_iter().map(SimdLevel::name).collect();
+        format!("this machine has {}", available.join(", "))
+    })
 }
 
 /// Where statistics go.
@@ -81,7 +88,7 @@ impl From<Args> for Plan {
             scenes: args.scenes,
             options: Options {
                 out_dir: args.out,
-                threads: args.threads.map(usize::from),
+                threads: args.threads.and_then(|n| NonZeroUsize::new(usize::from(n))),
                 resolution: args.resolution,
                 simd: args.simd,
             },

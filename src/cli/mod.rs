@@ -6,7 +6,7 @@ mod report;
 
 use std::{
     collections::HashMap,
-    fs,
+    io::Write as _,
     path::{Path, PathBuf},
     process::ExitCode,
     time::Instant,
@@ -17,10 +17,10 @@ use self::{
     progress::Watch,
 };
 use crate::{
-    Error, Result,
-    pipeline::{self, Statistics},
+    Error, Result, output, pipeline,
     progress::Progress as _,
     scene::{self, Scene},
+    statistics::Statistics,
 };
 
 /// Runs the command with the arguments of the process.
@@ -108,16 +108,8 @@ impl Session {
             StatsTarget::File(file) => {
                 self.stats += &to_json(file)?;
                 self.stats.push('\n');
-                write_whole(file, &self.stats)
+                output::write_file(file, |out| Ok(out.write_all(self.stats.as_bytes())?))
             }
         }
     }
-}
-
-fn write_whole(path: &Path, text: &str) -> Result<()> {
-    fs::write(path, text).map_err(|source| Error::Io {
-        action: "write",
-        path: path.to_owned(),
-        source,
-    })
 }

@@ -12,8 +12,11 @@ use std::{
 
 use tempfile::{Builder, NamedTempFile};
 
-use super::WriteError;
+use super::{WriteError, Written};
 use crate::{Error, Result};
+
+/// What a format writes to when it writes to a file.
+pub type FileWriter = BufWriter<File>;
 
 /// Bytes that are gathered before they go to the file; formats write in small pieces.
 const BUFFER_BYTES: usize = 1 << 16;
@@ -24,10 +27,7 @@ const BUFFER_BYTES: usize = 1 << 16;
 /// # Errors
 /// [`Error::Io`] if a folder or the file cannot be created, written or named, [`Error::Encode`] if
 /// `write` says that the data does not fit the format.
-pub fn write_file(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> std::result::Result<(), WriteError>,
-) -> Result<()> {
+pub fn write_file(path: &Path, write: impl FnOnce(&mut FileWriter) -> Written) -> Result<()> {
     let failed = |action, path: &Path| {
         let path = path.to_owned();
         move |source| Error::Io { action, path, source }

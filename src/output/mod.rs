@@ -7,10 +7,13 @@ mod atomic;
 pub mod exr;
 pub mod png;
 
-pub use atomic::write_file;
+pub use atomic::{FileWriter, write_file};
 
 /// What files say about the program that made them.
 const SOFTWARE: &str = concat!("zeroset ", env!("CARGO_PKG_VERSION"));
+
+/// How writing a format ended.
+pub type Written = Result<(), WriteError>;
 
 /// Why a format could not be written; [`write_file`] adds the file's name.
 #[derive(Debug, thiserror::Error)]

@@ -1,5 +1,7 @@
 //! What values F takes over the domain: for telling why nothing was found.
 
+use std::fmt;
+
 use fearless_simd::Simd;
 use glam::DVec3;
 
@@ -75,5 +77,26 @@ impl FieldRange {
         if self.most.is_none_or(|(most, _)| value > most) {
             self.most = Some((value, place));
         }
+    }
+}
+
+/// Such as: F lies between 0.5 at (0, 0, 0) and 3 at (1, 1, 1) on 35937 points.
+impl fmt::Display for FieldRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Some((least, at_least)), Some((most, at_most))) = (self.least, self.most) else {
+            return write!(f, "F is undefined at all of {} points", self.n_points);
+        };
+        let place = |p: DVec3| format!("({:.4}, {:.4}, {:.4})", p.x, p.y, p.z);
+        write!(
+            f,
+            "F lies between {least:.6} at {} and {most:.6} at {} on {} points",
+            place(at_least),
+            place(at_most),
+            self.n_points
+        )?;
+        if self.n_undefined > 0 {
+            write!(f, "; it is undefined at {} of them", self.n_undefined)?;
+        }
+        Ok(())
     }
 }

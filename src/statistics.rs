@@ -1,0 +1,160 @@
+//! The numbers of a run, as `--stats` writes them: one JSON object for each scene.
+//!
+//! Everything but `threads`, `simd`, `time_s` and `peak_memory_bytes` is the same on every machine.
+
+use std::fs;
+
+use serde::Serialize;
+
+use crate::{
+    math::Aabb,
+    raster::{FrameDigest, PlaneDigest},
+};
+
+/// The numbers of one scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct Statistics {
+    /// The scene's name.
+    pub scene: String,
+    /// Voxels along x, y and z.
+    pub resolution: [u32; 3],
+    /// The box that was searched: the scene's domain, widened to whole voxels.
+    pub domain: DomainBox,
+    /// Boxes evaluated with interval arithmetic.
+    pub boxes: Boxes,
+    /// Voxels of all surfaces.
+    pub voxels: Voxels,
+    /// The octrees of all surfaces.
+    pub octree: Octree,
+    /// The picture.
+    pub frame: Frame,
+    /// Float type of the intervals: `f32` or `f64`.
+    pub precision: &'static str,
+    /// Instruction set, such as `avx2`.
+    pub simd: &'static str,
+    /// Number of threads.
+    pub threads: usize,
+    /// Wall-clock seconds.
+    pub time_s: Times,
+    /// The most memory the process has held so far; `null` where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+}
+
+/// A box in scene units.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct DomainBox {
+    /// Smallest x, y and z.
+    pub min: [f64; 3],
+    /// Largest x, y and z.
+    pub max: [f64; 3],
+}
+
+impl From<Aabb> for DomainBox {
+    fn from(bounds: Aabb) -> Self {
+        Self { min: bounds.min.to_array(), max: bounds.max.to_array() }
+    }
+}
+
+/// Boxes evaluated with interval arithmetic.
+#[derive(Clone, Debug, Serialize)]
+pub struct Boxes {
+    /// On all levels.
+    pub tested: u64,
+    /// On each level of the octree; the first entry is the root's children.
+    pub tested_per_level: Vec<u64>,
+}
+
+impl Boxes {
+    /// Adds up the counts of several surfaces, level by level.
+    #[must_use]
+    pub fn sum<'a>(counts: impl Iterator<Item = &'a [u64]>) -> Self {
+        let mut tested_per_level: Vec<u64> = Vec::new();
+        for levels in counts {
+            tested_per_level.resize(levels.len(), 0);
+            tested_per_level.iter_mut().zip(levels).for_each(|(sum, n)| *sum += n);
+        }
+        Self { tested: tested_per_level.iter().sum(), tested_per_level }
+    }
+}
+
+/// Voxels of all surfaces.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Voxels {
+    /// Voxels that a surface may meet.
+    pub stored: u64,
+}
+
+/// The octrees of all surfaces.
+#[derive(Clone, Debug, Serialize)]
+pub struct Octree {
+    /// Bytes on the heap.
+    pub bytes: u64,
+    /// One digest for each surface, over shape and normals.
+    pub digests: Vec<String>,
+}
+
+/// The picture.
+#[derive(Clone, Debug, Serialize)]
+pub struct Frame {
+    /// Width and height in pixels.
+    pub size_px: [u32; 2],
+    /// Pixels that show a surface.
+    pub covered: usize,
+    /// Digests of the colours and of the layers.
+    pub digests: FrameDigests,
+}
+
+/// Digests of the planes of a picture.
+#[derive(Clone, Debug, Serialize)]
+pub struct FrameDigests {
+    /// Of the colours.
+    pub rgba: String,
+    /// Of the depths.
+    pub depth: String,
+    /// Of the normals.
+    pub normal: String,
+    /// Of the positions.
+    pub position: String,
+}
+
+impl From<&FrameDigest> for Frame {
+    fn from(digest: &FrameDigest) -> Self {
+        let of = |plane: &PlaneDigest| hex(plane.hash);
+        Self {
+            size_px: digest.size_px,
+            covered: digest.n_covered,
+            digests: FrameDigests {
+                rgba: of(&digest.rgba),
+                depth: of(&digest.depth),
+                normal: of(&digest.normal),
+                position: of(&digest.position),
+            },
+        }
+    }
+}
+
+/// Wall-clock seconds of the stages.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Times {
+    /// Subdivision, normals and octree.
+    pub voxelize: f64,
+    /// Camera, z-buffer and shading.
+    pub rasterize: f64,
+    /// Encoding and writing files.
+    pub write: f64,
+}
+
+/// A digest as text: 32 hexadecimal digits.
+#[must_use]
+pub fn hex(digest: u128) -> String {
+    format!("{digest:032x}")
+}
+
+/// The most memory this process has held, where the system tells (Linux).
+#[must_use]
+pub fn peak_memory_bytes() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024 * kibibytes)
+}
