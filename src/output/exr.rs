@@ -77,7 +77,7 @@ fn planes<const N: usize>(
     (0..N).map(|k| AnyChannel::new(names[k], plane(k))).collect()
 }
 
-/// Reads back what [`write`] wrote. Colours come back rounded to half precision.
+/// Reads back what [`write()`] wrote. Colours come back rounded to half precision.
 ///
 /// # Errors
 /// If `input` fails, is no OpenEXR file, or lacks a channel.

@@ -50,7 +50,7 @@ pub fn write(frame: &Frame, options: &PngOptions, out: impl Write) -> Result<(),
     Ok(writer.finish()?)
 }
 
-/// The picture that [`write`] stores, for comparison in memory.
+/// The picture that [`write()`] stores, for comparison in memory.
 #[must_use]
 pub fn to_srgb8(frame: &Frame) -> RgbaImage {
     let pixels = srgb8(frame);
