@@ -1,1 +1,138 @@
-fn main() {}
+//! Reference pictures: every scene in `configs/` at a small size, and one at its full resolution.
+//!
+//! The pixels of `golden/image/NAME.png` and the lines of `golden/image/NAME.digest` (octrees,
+//! and size, range and hash of every layer) must be met exactly. A failure leaves one picture with
+//! expected, difference and actual side by side. `ZEROSET_BLESS=NAME` (or `all`) rewrites the
+//! references; the test fails nonetheless, so that a blessing never looks like a pass.
+
+#![expect(clippy::expect_used, reason = "a test that cannot find its cases has failed")]
+
+use std::{
+    env,
+    fmt::Write as _,
+    fs,
+    path::{Path, PathBuf},
+};
+
+use image::{Rgba, RgbaImage};
+use libtest_mimic::{Arguments, Failed, Trial};
+use zeroset::{
+    output::png,
+    pipeline::{self, Options, Picture},
+    progress::Unwatched,
+    scene,
+};
+
+/// Voxels along the longest axis and pixels along the longer side.
+#[derive(Clone, Copy)]
+struct Size {
+    resolution: u32,
+    pixels: u32,
+}
+
+const SMALL: Size = Size { resolution: 96, pixels: 240 };
+
+/// The scene that is also compared at full resolution.
+const LARGE: (&str, Size) = ("scene3", Size { resolution: 512, pixels: 512 });
+
+fn main() {
+    let arguments = Arguments::from_args();
+    let mut trials: Vec<Trial> = scenes()
+        .into_iter()
+        .map(|name| Trial::test(name.clone(), move || check(&name, &name, SMALL)))
+        .collect();
+    let (scene, size) = LARGE;
+    let name = format!("{scene}_{}", size.resolution);
+    trials.push(Trial::test(name.clone(), move || check(&name, scene, size)));
+    libtest_mimic::run(&arguments, trials).exit();
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn scenes() -> Vec<String> {
+    let entries = fs::read_dir(root().join("configs")).expect("the folder of the scenes");
+    let paths = entries.map(|entry| entry.expect("a scene").path());
+    let is_scene = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "toml");
+    let stem = |path: PathBuf| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let mut names: Vec<String> = paths.filter(is_scene).filter_map(stem).collect();
+    names.sort();
+    names
+}
+
+fn check(name: &str, scene: &str, size: Size) -> Result<(), Failed> {
+    let picture = render(scene, size)?;
+    let image = png::to_srgb8(&picture.frame);
+    let digest = digest(&picture);
+    let reference = root().join("golden/image").join(name);
+    let (png, text) = (reference.with_extension("png"), reference.with_extension("digest"));
+    if env::var("ZEROSET_BLESS").is_ok_and(|wanted| wanted == name || wanted == "all") {
+        image.save(&png)?;
+        fs::write(&text, &digest)?;
+        return Err(format!("blessed: look at {}, then run again", png.display()).into());
+    }
+    let expected = image::open(&png).map_err(|error| format!("{}: {error}", png.display()))?;
+    let expected = expected.to_rgba8();
+    if expected != image {
+        let panes = root().join("target/golden").join(name).with_extension("png");
+        fs::create_dir_all(panes.parent().unwrap_or(root()))?;
+        side_by_side(&expected, &image).save(&panes)?;
+        return Err(format!("pixels differ: look at {}", panes.display()).into());
+    }
+    let expected = fs::read_to_string(&text)?;
+    if expected != digest {
+        return Err(format!("layers differ\n--- expected\n{expected}--- actual\n{digest}").into());
+    }
+    Ok(())
+}
+
+fn render(scene: &str, size: Size) -> Result<Picture, Failed> {
+    let path = root().join("configs").join(scene).with_extension("toml");
+    let mut scene = scene::load(&path).map_err(|error| format!("{error:?}"))?;
+    let longer = scene.image.width.max(scene.image.height);
+    scene.image.width = scene.image.width * size.pixels / longer;
+    scene.image.height = scene.image.height * size.pixels / longer;
+    let options = Options {
+        out_dir: PathBuf::new(),
+        threads: None,
+        resolution: Some(size.resolution),
+        simd: None,
+    };
+    pipeline::render(&scene, &options, &Unwatched).map_err(|error| error.to_string().into())
+}
+
+fn digest(picture: &Picture) -> String {
+    let statistics = &picture.statistics;
+    let mut text = format!("voxels {}\n", statistics.voxels.stored);
+    let _ = writeln!(text, "boxes {:?}", statistics.boxes.tested_per_level);
+    for octree in &statistics.octree.digests {
+        let _ = writeln!(text, "octree {octree}");
+    }
+    text + &picture.frame.digest().to_string()
+}
+
+/// Expected, difference and actual. The difference is white where the two agree, red where only
+/// colour differs, blue where only one of them shows a surface.
+fn side_by_side(expected: &RgbaImage, actual: &RgbaImage) -> RgbaImage {
+    let (width, height) =
+        (expected.width().max(actual.width()), expected.height().max(actual.height()));
+    RgbaImage::from_fn(3 * width, height, |x, y| {
+        let at = |image: &RgbaImage| image.get_pixel_checked(x % width, y).copied();
+        let (was, is) = (at(expected), at(actual));
+        let pixel = match x / width {
+            0 => was,
+            2 => is,
+            _ if was == is => Some(Rgba([255; 4])),
+            _ => match (was, is) {
+                (Some(was), Some(is)) if was[3] == is[3] => {
+                    let change = was.0.iter().zip(is.0).map(|(a, b)| a.abs_diff(b)).max();
+                    let rest = 200_u8.saturating_sub(change.unwrap_or(0).saturating_mul(4));
+                    Some(Rgba([255, rest, rest, 255]))
+                }
+                _ => Some(Rgba([0, 0, 255, 255])),
+            },
+        };
+        pixel.unwrap_or(Rgba([128, 128, 128, 255]))
+    })
+}

@@ -28,7 +28,7 @@ const MAX_IMAGE_SIZE: i64 = 16_384;
 /// Coordinates beyond this leave no room for powers of them in the range of `f32`.
 const MAX_COORDINATE: f64 = 1e12;
 
-const DEFAULT_RESOLUTION: i64 = 256;
+const DEFAULT_RESOLUTION: i64 = 512;
 const DEFAULT_IMAGE_SIZE: i64 = 1024;
 const DEFAULT_BACKGROUND: Background = Background::Color(Color([1.0; 3]));
 

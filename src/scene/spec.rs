@@ -90,7 +90,7 @@ pub(super) struct DomainSpec {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct VoxelsSpec {
-    /// Voxels along the longest axis of the domain; 256 by default.
+    /// Voxels along the longest axis of the domain; 512 by default.
     pub(super) resolution: Option<Spanned<Whole>>,
 }
 

@@ -29,7 +29,7 @@ fn three_lines_are_enough() {
     assert_eq!(scene.surfaces.len(), 1);
     assert_eq!(scene.surfaces[0].name, "surface 1");
     assert_eq!((scene.domain.min, scene.domain.max), (-DVec3::ONE, DVec3::ONE));
-    assert_eq!(scene.resolution, 256);
+    assert_eq!(scene.resolution, 512);
     assert_eq!(scene.view.projection, Projection::Perspective { fov_degrees: 35.0 });
     assert!(matches!(scene.view.placement, Placement::Fit { margin: 0.05, .. }));
     assert_eq!(scene.view.up, DVec3::Z);
