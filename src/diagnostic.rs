@@ -64,7 +64,10 @@ pub fn did_you_mean<'a>(
     candidates
         .into_iter()
         .map(|candidate| (edit_distance(word, candidate), candidate))
-        .filter(|&(distance, _)| distance <= limit)
+        // A word of which nothing is left was not misspelt.
+        .filter(|&(distance, candidate)| {
+            distance <= limit && distance < word.chars().count().max(candidate.chars().count())
+        })
         .min()
         .map(|(_, candidate)| candidate)
 }
@@ -99,5 +102,6 @@ mod tests {
         assert_eq!(did_you_mean("resolutoin", words), Some("resolution"));
         assert_eq!(did_you_mean("sqr", words), Some("sqrt"));
         assert_eq!(did_you_mean("banana", words), None);
+        assert_eq!(did_you_mean("q", ["e", "x"]), None);
     }
 }

@@ -5,6 +5,7 @@ pub mod diagnostic;
 mod error;
 pub mod eval;
 pub mod expr;
+pub mod limits;
 pub mod math;
 pub mod octree;
 pub mod output;

@@ -3,7 +3,7 @@
 use std::{num::NonZeroUsize, path::PathBuf, thread, time::Instant};
 
 use crate::{
-    Error, Result,
+    Error, Result, limits,
     math::{Lattice, SimdLevel},
     octree::{MortonOctree, Storage},
     output::{self, exr, png},
@@ -58,7 +58,7 @@ pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<
     let start = Instant::now();
     let written = write(scene, options, &frame, progress)?;
     statistics.time_s.write = start.elapsed().as_secs_f64();
-    statistics.peak_memory_bytes = statistics::peak_memory_bytes();
+    statistics.peak_memory_bytes = limits::peak_memory_bytes();
     Ok(Report { statistics, written })
 }
 
@@ -84,25 +84,21 @@ fn render_with_all_threads(
     progress: &dyn Progress,
 ) -> Result<Picture> {
     let simd = options.simd.unwrap_or_else(SimdLevel::detect);
+    limits::check_image(&scene.image)?;
     let lattice = Lattice::new(scene.domain, options.resolution.unwrap_or(scene.resolution));
 
     let start = Instant::now();
-    let voxelizations = scene
-        .surfaces
-        .iter()
-        .map(|surface| voxelize::voxelize(&surface.expr, &lattice, simd, progress))
-        .collect::<Result<Vec<Voxelization>>>()?;
+    let mut voxelizations: Vec<Voxelization> = Vec::new();
+    let mut n_voxels = 0;
+    for surface in &scene.surfaces {
+        let room = limits::max_voxels() - n_voxels;
+        let found = voxelize::voxelize(&surface.expr, &lattice, simd, room, progress)?;
+        n_voxels += found.octree.voxel_count();
+        voxelizations.push(found);
+    }
     let voxelize = start.elapsed().as_secs_f64();
-    let n_voxels: u64 = voxelizations.iter().map(|v| u64::from(v.octree.voxel_count())).sum();
     if n_voxels == 0 {
         return Err(nothing_found(scene, &lattice, simd));
-    }
-    if n_voxels > u64::from(u32::MAX) {
-        return Err(Error::Limit(format!(
-            "the surfaces have {n_voxels} voxels together, more than {}; lower `resolution` in \
-             [voxels]",
-            u32::MAX
-        )));
     }
 
     let start = Instant::now();
@@ -126,7 +122,7 @@ fn render_with_all_threads(
         resolution: lattice.n_voxels(),
         domain: DomainBox::from(lattice.bounds()),
         boxes: Boxes::sum(voxelizations.iter().map(|v| v.boxes_tested.as_slice())),
-        voxels: Voxels { stored: n_voxels },
+        voxels: Voxels { stored: n_voxels.into() },
         octree: statistics::Octree {
             bytes: voxelizations.iter().map(|v| v.octree.bytes()).sum(),
             digests: voxelizations.iter().map(|v| hex(v.octree.digest())).collect(),
@@ -136,7 +132,7 @@ fn render_with_all_threads(
         simd: simd.name(),
         threads: rayon::current_num_threads(),
         time_s: Times { voxelize, rasterize, write: 0.0 },
-        peak_memory_bytes: statistics::peak_memory_bytes(),
+        peak_memory_bytes: limits::peak_memory_bytes(),
     };
     let octrees = voxelizations.into_iter().map(|found| found.octree).collect();
     Ok(Picture { frame, octrees, statistics })

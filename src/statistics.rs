@@ -2,8 +2,6 @@
 //!
 //! Everything but `threads`, `simd`, `time_s` and `peak_memory_bytes` is the same on every machine.
 
-use std::fs;
-
 use serde::Serialize;
 
 use crate::{
@@ -148,13 +146,4 @@ pub struct Times {
 #[must_use]
 pub fn hex(digest: u128) -> String {
     format!("{digest:032x}")
-}
-
-/// The most memory this process has held, where the system tells (Linux).
-#[must_use]
-pub fn peak_memory_bytes() -> Option<u64> {
-    let status = fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(1024 * kibibytes)
 }

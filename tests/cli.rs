@@ -130,3 +130,47 @@ fn a_closed_pipe_is_no_failure() {
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     assert!(!stderr(&output).contains("panicked"));
 }
+
+#[test]
+fn an_empty_result_tells_the_range_of_f() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = "version = 1\n[[surface]]\nname = \"far\"\nf = \"x^2 + y^2 + z^2 + 1\"\n";
+    fs::write(directory.path().join("a.toml"), scene).unwrap();
+    let output = command(directory.path()).args(["a.toml"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let complaint = stderr(&output);
+    assert!(complaint.contains("`far` does not meet the domain"), "{complaint}");
+    assert!(complaint.contains("between 1.000000 at (0.0000, 0.0000, 0.0000)"), "{complaint}");
+    assert!(complaint.contains("and 4.000000 at (-1.0000, -1.0000, -1.0000)"), "{complaint}");
+    assert!(!directory.path().join("out").exists());
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("a.toml"), SPHERE).unwrap();
+    fs::write(directory.path().join("file"), "in the way").unwrap();
+    let arguments = ["a.toml", "--resolution", "8", "--out", "file/pictures"];
+    let output = command(directory.path()).args(arguments).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).starts_with("error: cannot create file/pictures"), "{output:?}");
+    assert_eq!(fs::read_to_string(directory.path().join("file")).unwrap(), "in the way");
+}
+
+/// Interrupted while it searches 8192³ voxels, which takes many seconds.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_no_file() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("a.toml"), SPHERE).unwrap();
+    let child = command(directory.path())
+        .args(["a.toml", "--resolution", "8192"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{output:?}");
+    assert!(!directory.path().join("out").exists());
+}

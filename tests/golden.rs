@@ -1,4 +1,4 @@
-//! Reference pictures: every scene in `configs/` at a small size, and one at its full resolution.
+//! Reference pictures: every scene in `configs/` at a small size, and the paper's at full resolution.
 //!
 //! The pixels of `golden/image/NAME.png` and the lines of `golden/image/NAME.digest` (octrees,
 //! and size, range and hash of every layer) must be met exactly. A failure leaves one picture with
@@ -32,8 +32,9 @@ struct Size {
 
 const SMALL: Size = Size { resolution: 96, pixels: 240 };
 
-/// The scene that is also compared at full resolution.
-const LARGE: (&str, Size) = ("scene3", Size { resolution: 512, pixels: 512 });
+/// The paper's scenes are also compared at the paper's resolution; README shows these pictures.
+const LARGE: Size = Size { resolution: 512, pixels: 512 };
+const LARGE_SCENES: [&str; 3] = ["scene1", "scene2", "scene3"];
 
 fn main() {
     let arguments = Arguments::from_args();
@@ -41,9 +42,10 @@ fn main() {
         .into_iter()
         .map(|name| Trial::test(name.clone(), move || check(&name, &name, SMALL)))
         .collect();
-    let (scene, size) = LARGE;
-    let name = format!("{scene}_{}", size.resolution);
-    trials.push(Trial::test(name.clone(), move || check(&name, scene, size)));
+    trials.extend(LARGE_SCENES.map(|scene| {
+        let name = format!("{scene}_{}", LARGE.resolution);
+        Trial::test(name.clone(), move || check(&name, scene, LARGE))
+    }));
     libtest_mimic::run(&arguments, trials).exit();
 }
 

@@ -62,7 +62,7 @@ impl Session {
             }
             if let Err(error) = self.render(&path) {
                 self.watch.clear();
-                report::failure(&error);
+                report::failure(&path, &error);
                 worst = worst.max(error.exit_code());
             }
         }
@@ -86,8 +86,7 @@ impl Session {
         for file in [&scene.outputs.png, &scene.outputs.exr].into_iter().flatten() {
             if let Some(other) = self.claimed.insert(file.clone(), path.to_owned()) {
                 return Err(Error::Limit(format!(
-                    "{} would overwrite {} of {}: give them different names or calls of their own",
-                    path.display(),
+                    "would overwrite {} of {}: give them different names or calls of their own",
                     self.plan.options.out_dir.join(file).display(),
                     other.display(),
                 )));

@@ -30,11 +30,14 @@ pub(super) fn is_terminal() -> bool {
     io::stderr().is_terminal() && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
-/// Says why a scene was not rendered.
-pub(super) fn failure(error: &Error) {
+/// Says why the scene at `path` was not rendered.
+pub(super) fn failure(path: &Path, error: &Error) {
     let renderer = renderer();
     match error {
         Error::Scene(rejection) => say(&mistakes(rejection, &renderer)),
+        Error::Empty(_) | Error::Limit(_) => {
+            say(&renderer.render(&[title(&format!("{}: {error}", path.display()))]));
+        }
         _ => say(&renderer.render(&[title(&with_causes(error))])),
     }
 }

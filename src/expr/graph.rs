@@ -98,7 +98,6 @@ pub(super) fn simplify(node: Node, node_of: impl Fn(Id) -> Node + Copy) -> Simpl
     }
 }
 
-#[expect(clippy::float_cmp, reason = "only exact constants are compared")]
 fn simplify_binary(op: Binary, a: Id, b: Id, node_of: impl Fn(Id) -> Node + Copy) -> Simplified {
     let is = |id, v: f64| node_of(id).constant().and_then(Constant::as_exact) == Some(v);
     let negated = |id| simplify(Node::Unary(Unary::Neg, id), node_of);

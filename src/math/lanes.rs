@@ -49,7 +49,7 @@ pub trait Scalar: Copy + PartialOrd + Debug + Default + Send + Sync + 'static {
 
 impl Scalar for f32 {
     const UNIT: f64 = 1.0 / (1_u64 << 24) as f64;
-    const TINY: f64 = 1.401_298_464_324_817_1e-45;
+    const TINY: f64 = 1.401_298_464_324_817e-45;
     const MIN_NORMAL: f64 = Self::MIN_POSITIVE as f64;
     const MAX: f64 = Self::MAX as f64;
     const FRACTION_BITS: u32 = 23;
@@ -268,7 +268,6 @@ macro_rules! scalar_lanes {
                 self <= other
             }
             #[inline(always)]
-            #[expect(clippy::float_cmp, reason = "this is the comparison")]
             fn eq(self, other: Self) -> bool {
                 self == other
             }

@@ -32,7 +32,6 @@ impl Constant {
 
     /// The value, if it is known exactly.
     #[must_use]
-    #[expect(clippy::float_cmp, reason = "exactness is what is asked")]
     pub fn as_exact(&self) -> Option<f64> {
         (self.lo == self.hi).then_some(self.value)
     }

@@ -40,8 +40,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     if bytes.len() as u64 > MAX_BYTES {
         let limit = MAX_BYTES >> 20;
         return Err(Error::Limit(format!(
-            "{} is larger than {limit} MiB: this is no scene file",
-            path.display()
+            "the file is larger than {limit} MiB: this is no scene file"
         )));
     }
     Ok(bytes)

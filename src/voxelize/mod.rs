@@ -15,7 +15,10 @@ mod normals;
 mod sampling;
 mod search;
 
-use std::sync::Arc;
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
 
 use fearless_simd::{Simd, f32x16, f64x8};
 use rayon::prelude::*;
@@ -74,29 +77,28 @@ impl Precision {
     }
 }
 
-/// More voxels than this have no 32-bit rank.
-const MAX_VOXELS: u64 = u32::MAX as u64;
-
 /// Finds all voxels of `lattice` that the surface of `expr` may meet. Uses the threads of the
 /// current rayon pool.
 ///
 /// # Errors
-/// [`Error::Interrupted`] if `progress` says so; [`Error::Limit`] if there are more voxels than
-/// 32 bits count.
+/// [`Error::Interrupted`] if `progress` says so; [`Error::Limit`] as soon as there are more than
+/// `max_voxels` voxels.
 pub fn voxelize(
     expr: &Expr,
     lattice: &Lattice,
     simd: SimdLevel,
+    max_voxels: u32,
     progress: &dyn Progress,
 ) -> Result<Voxelization> {
     let precision = Precision::for_lattice(lattice);
-    simd.run(Task { tape: expr.tape(), lattice, precision, progress })
+    simd.run(Task { tape: expr.tape(), lattice, precision, max_voxels, progress })
 }
 
 struct Task<'a> {
     tape: Tape,
     lattice: &'a Lattice,
     precision: Precision,
+    max_voxels: u32,
     progress: &'a dyn Progress,
 }
 
@@ -119,7 +121,7 @@ fn frontier_level(depth: u32) -> u32 {
 
 impl Task<'_> {
     fn search<S: Simd, L: Lanes<Token = S>, const G: usize>(self, simd: S) -> Result<Voxelization> {
-        let Self { tape, lattice, precision, progress } = self;
+        let Self { tape, lattice, precision, max_voxels, progress } = self;
         let corners = Corners::<L::Scalar>::new(lattice);
         let new_search = || Search::<S, L, G>::new(simd, lattice, &corners);
         let frontier = frontier_level(lattice.depth());
@@ -129,6 +131,7 @@ impl Task<'_> {
         let tasks: Vec<Run> = runs.into_iter().flat_map(Run::into_single_nodes).collect();
 
         progress.begin("voxelize", tasks.len() as u64, "subtrees");
+        let n_voxels = AtomicU64::new(0);
         let subtrees: Result<Vec<Subtree>> = tasks
             .into_par_iter()
             .map_init(new_search, |search, run| {
@@ -137,6 +140,11 @@ impl Task<'_> {
                 }
                 let subtree = search.subtree(run, frontier);
                 progress.advance(1);
+                let found = subtree.normals.len() as u64;
+                let found = n_voxels.fetch_add(found, Ordering::Relaxed) + found;
+                if found > u64::from(max_voxels) {
+                    return Err(too_many(max_voxels));
+                }
                 Ok(subtree)
             })
             .collect();
@@ -147,16 +155,18 @@ impl Task<'_> {
         for subtree in &subtrees {
             boxes_tested.iter_mut().zip(&subtree.boxes_tested).for_each(|(sum, n)| *sum += n);
         }
-        let voxels: u64 = subtrees.iter().map(|subtree| subtree.normals.len() as u64).sum();
-        if voxels > MAX_VOXELS {
-            return Err(Error::Limit(format!(
-                "{voxels} voxels are more than {MAX_VOXELS}; lower `resolution` in [voxels]"
-            )));
-        }
-        let mut octree = assemble(trunk.take_masks(), subtrees, frontier, lattice.depth());
-        normals::fill_missing(&mut octree.0, octree.1, lattice);
-        Ok(Voxelization { octree: octree.0, boxes_tested, precision })
+        let (mut octree, missing_normals) =
+            assemble(trunk.take_masks(), subtrees, frontier, lattice.depth());
+        normals::fill_missing(&mut octree, &missing_normals, lattice);
+        Ok(Voxelization { octree, boxes_tested, precision })
     }
+}
+
+fn too_many(max_voxels: u32) -> Error {
+    Error::Limit(format!(
+        "there are more than {max_voxels} voxels, which is what the memory holds; lower \
+         `resolution` in [voxels]"
+    ))
 }
 
 /// Joins the trunk and the subtrees in Morton order; also returns the ranks of the voxels that

@@ -67,7 +67,7 @@ fn encode(v: DVec3) -> OctNormal {
 
 /// Gives every voxel in `missing` the mean normal of those of its 26 neighbours that have one.
 /// A cone's tip or a crossing of sheets has no gradient; its neighbours do.
-pub(super) fn fill_missing(octree: &mut MortonOctree, missing: Vec<u32>, lattice: &Lattice) {
+pub(super) fn fill_missing(octree: &mut MortonOctree, missing: &[u32], lattice: &Lattice) {
     if missing.is_empty() {
         return;
     }

@@ -1,0 +1,25 @@
+# One-line conveniences; none is needed to build, test or run.
+
+# Everything that must hold before a change lands
+ci:
+    .ci/run
+
+# Render a scene: just render configs/heart.toml
+render *ARGUMENTS:
+    cargo run --release -- {{ARGUMENTS}}
+
+# All tests
+test:
+    cargo test --release
+
+# Renew the reference pictures of a scene, or `all`; then look at them and run the tests
+bless NAME:
+    -ZEROSET_BLESS={{NAME}} cargo test --release --test golden
+
+# Renew the words of a mistake, or `all`
+bless-words NAME:
+    -ZEROSET_BLESS={{NAME}} cargo test --release --test diagnostics
+
+# Time every stage of the paper's scenes
+bench:
+    cargo bench
