@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// What the user may change for one run without touching the scene.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Where files are written.
     pub out_dir: PathBuf,
