@@ -198,22 +198,34 @@ pub trait Lanes:
     }
     /// Applies a scalar function to every lane where `mask` is set: the slow way out for rare
     /// arguments.
+    #[inline(always)]
     #[must_use]
-    fn patch(self, mask: Self::Mask, argument: Self, f: impl Fn(f64) -> f64) -> Self {
-        let mut bits = mask.bits();
+    fn patch(self, mask: Self::Mask, argument: Self, f: fn(f64) -> f64) -> Self {
+        let bits = mask.bits();
         if bits == 0 {
             return self;
         }
-        let mut values = [Self::Scalar::default(); 16];
+        let mut values = [Self::Scalar::default(); MAX_LEN];
         let mut arguments = values;
         self.store(&mut values[..Self::LEN]);
         argument.store(&mut arguments[..Self::LEN]);
-        while bits != 0 {
-            let lane = bits.trailing_zeros() as usize;
-            values[lane] = Self::Scalar::nearest(f(arguments[lane].to_f64()));
-            bits &= bits - 1;
-        }
+        patch_scalars(&mut values, &arguments, bits, f);
         Self::load(self.token(), &values[..Self::LEN])
+    }
+}
+
+/// The longest vector.
+const MAX_LEN: usize = 16;
+
+#[cold]
+fn patch_scalars<T: Scalar>(
+    values: &mut [T; MAX_LEN],
+    arguments: &[T; MAX_LEN],
+    bits: u64,
+    f: fn(f64) -> f64,
+) {
+    for lane in (0..MAX_LEN).filter(|lane| bits >> lane & 1 == 1) {
+        values[lane] = T::nearest(f(arguments[lane].to_f64()));
     }
 }
 

@@ -92,11 +92,13 @@ pub trait Number: Copy + 'static {
     #[must_use]
     fn mul(self, b: Self) -> Self;
     /// a + c
+    #[inline(always)]
     #[must_use]
     fn add_constant(self, c: &Constant) -> Self {
         self.add(Self::constant(self.token(), c))
     }
     /// a c
+    #[inline(always)]
     #[must_use]
     fn mul_constant(self, c: &Constant) -> Self {
         self.mul(Self::constant(self.token(), c))
