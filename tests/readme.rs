@@ -1,0 +1,100 @@
+//! README tells the truth: its commands, its scene, its message and its tables.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot prepare its case has failed")]
+
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::Path,
+    process::{Command, Output},
+};
+
+use serde_json::Value;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn readme() -> String {
+    fs::read_to_string(root().join("README.md")).unwrap()
+}
+
+/// The first block of code in `language` that holds `marker`.
+fn block(language: &str, marker: &str) -> String {
+    let readme = readme();
+    let blocks = readme.split("```").skip(1).step_by(2);
+    let mut of_language = blocks.filter_map(|block| block.strip_prefix(&format!("{language}\n")));
+    of_language.find(|block| block.contains(marker)).unwrap().to_owned()
+}
+
+/// Renders the scene `text` as `pebble.toml`, small.
+fn render(text: &str) -> Output {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("pebble.toml"), text).unwrap();
+    Command::new(env!("CARGO_BIN_EXE_render"))
+        .current_dir(directory.path())
+        .args(["pebble.toml", "--resolution", "32", "--stats", "-"])
+        .output()
+        .unwrap()
+}
+
+#[test]
+fn the_two_commands_are_what_ci_runs() {
+    let ci = fs::read_to_string(root().join(".ci/run")).unwrap().replace(" --locked", "");
+    for command in block("sh", "cargo run").lines() {
+        assert!(ci.contains(command), "{command} is not run");
+    }
+}
+
+#[test]
+fn the_first_scene_renders() {
+    let output = render(&block("toml", "[[surface]]"));
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+#[test]
+fn the_message_is_what_is_said() {
+    let scene = "version = 1\n[[surface]]\nf = \"sqr(x) + y^2 + z^2 = 1\"\n";
+    let said = String::from_utf8(render(scene).stderr).unwrap();
+    assert_eq!(said, block("text", "error:"));
+}
+
+#[test]
+fn every_statistic_is_explained() {
+    let output = render(&block("toml", "[[surface]]"));
+    let statistics: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mut keys = BTreeSet::new();
+    collect_keys("", &statistics, &mut keys);
+    let readme = readme();
+    for key in keys {
+        let (section, name) = key.rsplit_once('.').unwrap_or(("", &key));
+        let explained = [&key, section, &format!(".{name}")];
+        assert!(
+            explained.iter().any(|text| readme.contains(&format!("`{text}`"))),
+            "`{key}` is not in README"
+        );
+    }
+}
+
+fn collect_keys(prefix: &str, value: &Value, keys: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(members) => {
+            for (name, member) in members {
+                let key = if prefix.is_empty() { name.clone() } else { format!("{prefix}.{name}") };
+                collect_keys(&key, member, keys);
+            }
+        }
+        _ => {
+            keys.insert(prefix.to_owned());
+        }
+    }
+}
+
+#[test]
+fn files_that_are_named_exist() {
+    let readme = readme();
+    let links = readme.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    for link in links.filter(|link| !link.starts_with("http")) {
+        assert!(root().join(link).exists(), "{link} does not exist");
+    }
+}
