@@ -17,7 +17,9 @@ use std::{
     ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub},
 };
 
-use fearless_simd::{Level, Select, Simd, SimdBase, SimdFloat, SimdMask, dispatch, f32x16, f64x8};
+#[cfg(not(target_arch = "x86_64"))]
+use fearless_simd::dispatch;
+use fearless_simd::{Level, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8};
 
 /// The float type of one lane, with its constants.
 pub trait Scalar: Copy + PartialOrd + Debug + Default + Send + Sync + 'static {
@@ -438,7 +440,6 @@ impl SimdLevel {
         let levels = [
             best.as_avx512().map(Level::Avx512),
             best.as_avx2().map(Level::Avx2),
-            best.as_sse4_2().map(Level::Sse4_2),
             best.as_sse2().map(Level::Sse2),
         ];
         #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
@@ -461,18 +462,29 @@ impl SimdLevel {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Level::Avx2(_) => "avx2",
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Sse4_2(_) => "sse4.2",
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Level::Sse2(_) => "sse2",
+            Level::Sse2(_) | Level::Sse4_2(_) => "sse2",
             #[cfg(target_arch = "aarch64")]
             Level::Neon(_) => "neon",
             _ => "scalar",
         }
     }
 
-    /// Runs `task` with this level's instructions.
+    /// Runs `task` with this level's instructions. SSE4.2 goes with SSE2: the machines that have it
+    /// and not AVX2 are few, and every level costs a quarter of the time to build this crate.
     pub fn run<T: SimdTask>(self, task: T) -> T::Output {
-        dispatch!(self.0, simd => task.run(simd))
+        match self.0 {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Level::Avx512(simd) => task.run(simd),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Level::Avx2(simd) => task.run(simd),
+            #[cfg(target_arch = "x86_64")]
+            level => match level.as_sse2() {
+                Some(simd) => task.run(simd),
+                None => unreachable!("every x86-64 machine has SSE2"),
+            },
+            #[cfg(not(target_arch = "x86_64"))]
+            level => dispatch!(level, simd => task.run(simd)),
+        }
     }
 }
 
