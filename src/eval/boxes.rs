@@ -54,15 +54,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> BoxEvaluator<L, G> {
         let Self { token, machine } = self;
         token.vectorize(
             #[inline(always)]
-            || {
-                // Called by name in both branches: a call through a pointer would leave the
-                // instruction set behind.
-                if trace {
-                    run::<L, G, true>(*token, machine, tape, boxes)
-                } else {
-                    run::<L, G, false>(*token, machine, tape, boxes)
-                }
-            },
+            || run(*token, machine, tape, boxes, trace),
         )
     }
 
@@ -79,11 +71,12 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> BoxEvaluator<L, G> {
 }
 
 #[inline(always)]
-fn run<L: Lanes, const G: usize, const TRACE: bool>(
+fn run<L: Lanes, const G: usize>(
     token: L::Token,
     machine: &mut Machine<Interval<L>, G>,
     tape: &Tape,
     boxes: &Boxes<L::Scalar>,
+    trace: bool,
 ) -> Verdict {
     let zero = Interval::point(L::splat(token, L::Scalar::default()));
     let mut inputs = [[zero; G]; 3];
@@ -94,7 +87,7 @@ fn run<L: Lanes, const G: usize, const TRACE: bool>(
             inputs[axis][g] = Interval { lo, hi };
         }
     }
-    let (range, notes) = machine.run::<TRACE>(token, tape, &inputs);
+    let (range, notes) = machine.run(token, tape, &inputs, trace);
     let mut verdict = Verdict { empty: 0, inside: 0 };
     for g in 0..G {
         let empty = notes[g].undefined | zero.lo.lt(range[g].lo);

@@ -5,7 +5,7 @@
 //!
 //! *Based on:* L. Rall, "Automatic Differentiation: Techniques and Applications", 1981.
 
-use super::number::{Constant, MaskOf, NotesOf, Number, Token, Wave};
+use super::number::{Constant, Hyperbolic, MaskOf, Notes, NotesOf, Number, Step, Token, Wave};
 
 /// A value and its partial derivatives with respect to x, y and z.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +52,12 @@ impl<N: Number> Dual<N> {
         );
         turn.gradient
     }
+}
+
+/// The derivative of arcsin: 1 / √(1 − v²).
+#[inline(always)]
+fn arc_slope<N: Number>(v: N, notes: &mut NotesOf<N>) -> N {
+    v.square().neg().add_constant(&Constant::exact(1.0)).sqrt(notes).recip(notes)
 }
 
 impl<N: Number> Number for Dual<N> {
@@ -174,6 +180,57 @@ impl<N: Number> Number for Dual<N> {
         let value = self.value.acos(notes);
         let sine = self.value.square().neg().add_constant(&Constant::exact(1.0)).sqrt(notes);
         self.chain(value, sine.recip(notes).neg())
+    }
+    #[inline(always)]
+    fn asin(self, notes: &mut NotesOf<Self>) -> Self {
+        let value = self.value.asin(notes);
+        let slope = arc_slope(self.value, notes);
+        self.chain(value, slope)
+    }
+    #[inline(always)]
+    fn atan(self) -> Self {
+        let mut of_slope = Notes::clear::<N::Lanes>(self.token());
+        let one = Constant::exact(1.0);
+        let slope = self.value.square().add_constant(&one).recip(&mut of_slope);
+        self.chain(self.value.atan(), slope)
+    }
+    #[inline(always)]
+    fn tan(self, notes: &mut NotesOf<Self>) -> Self {
+        let value = self.value.tan(notes);
+        self.chain(value, value.square().add_constant(&Constant::exact(1.0)))
+    }
+    #[inline(always)]
+    fn hyperbolic(self, function: Hyperbolic) -> Self {
+        let value = self.value.hyperbolic(function);
+        let slope = match function {
+            Hyperbolic::Sinh => self.value.hyperbolic(Hyperbolic::Cosh),
+            Hyperbolic::Cosh => self.value.hyperbolic(Hyperbolic::Sinh),
+            Hyperbolic::Tanh => value.square().neg().add_constant(&Constant::exact(1.0)),
+        };
+        self.chain(value, slope)
+    }
+    #[inline(always)]
+    fn cbrt(self) -> Self {
+        let mut of_slope = Notes::clear::<N::Lanes>(self.token());
+        let root = self.value.cbrt();
+        let slope = root.square().mul_constant(&Constant::exact(3.0)).recip(&mut of_slope);
+        self.chain(root, slope)
+    }
+    #[inline(always)]
+    fn step(self, step: Step, notes: &mut NotesOf<Self>) -> Self {
+        // Between the jumps; a jump itself is noted.
+        let zero = N::constant(self.token(), &Constant::exact(0.0));
+        Self { value: self.value.step(step, notes), gradient: [zero; 3] }
+    }
+    #[inline(always)]
+    fn smoothstep(self) -> Self {
+        // 6 t (1 − t) = 3/2 − 6 (t − 1/2)²
+        let token = self.token();
+        let [zero, one] = [0.0, 1.0].map(|v| N::constant(token, &Constant::exact(v)));
+        let t = self.value.max(zero).min(one);
+        let from_middle = t.add_constant(&Constant::exact(-0.5)).square();
+        let slope = from_middle.mul_constant(&Constant::exact(-6.0));
+        self.chain(self.value.smoothstep(), slope.add_constant(&Constant::exact(1.5)))
     }
     #[inline(always)]
     fn atan2(self, x: Self, lifted: bool, notes: &mut NotesOf<Self>) -> Self {

@@ -14,9 +14,13 @@
 
 use super::{
     angle,
-    elementary::{self, ACOS_ERROR, EXP_ERROR, LN_ERROR, TRIG_ERROR},
+    elementary::{
+        self, ACOS_ERROR, ATAN2_ERROR, CBRT_ERROR, EXP_ERROR, HYPERBOLIC_ERROR, LN_ERROR,
+        TRIG_ERROR,
+    },
     lanes::{Lanes, Scalar},
-    number::{Constant, MaskOf, NotesOf, Number, Token, Wave},
+    number::{Constant, Hyperbolic, MaskOf, Notes, NotesOf, Number, Step, Token, Wave},
+    point::{smooth_step, step_function},
 };
 
 /// All reals between two bounds, in every lane.
@@ -102,6 +106,16 @@ impl<L: Lanes> Interval<L> {
     fn hull(self, b: Self) -> Self {
         Self { lo: self.lo.min(b.lo), hi: self.hi.max(b.hi) }
     }
+}
+
+/// The tangent of the numbers in `x`, which are within the limit.
+#[inline(always)]
+fn tan_at<L: Lanes>(x: L) -> Interval<L> {
+    let error = x.same((TRIG_ERROR + 1.0) * L::Scalar::UNIT);
+    let (s, c) = (elementary::sin(x), elementary::cos(x));
+    let (s, c) =
+        (Interval { lo: s - error, hi: s + error }, Interval { lo: c - error, hi: c + error });
+    s.mul(c.recip(&mut Notes::clear::<L>(x.token())))
 }
 
 /// Whether a whole number plus `phase` lies between two numbers.
@@ -290,6 +304,109 @@ impl<L: Lanes> Number for Interval<L> {
         Self {
             lo: lower_by(elementary::acos(inner.hi), units).max(self.zero()),
             hi: upper_by(elementary::acos(inner.lo), units),
+        }
+    }
+
+    #[inline(always)]
+    fn asin(self, notes: &mut NotesOf<Self>) -> Self {
+        let one = self.lo.same(1.0);
+        let partial = self.lo.lt(-one) | one.lt(self.hi);
+        notes.discontinuous = notes.discontinuous | partial;
+        notes.undefined = notes.undefined | self.hi.lt(-one) | one.lt(self.lo);
+        let inner = self.clamped(-1.0, 1.0);
+        let units = ACOS_ERROR + 2.0;
+        Self {
+            lo: lower_by(elementary::asin(inner.lo), units),
+            hi: upper_by(elementary::asin(inner.hi), units),
+        }
+    }
+
+    #[inline(always)]
+    fn atan(self) -> Self {
+        let units = ATAN2_ERROR + 2.0;
+        // The arc tangent of ∞ is the limit, which is reached there to the last place.
+        let largest = self.lo.same(L::Scalar::MAX);
+        Self {
+            lo: lower_by(elementary::atan(self.lo.max(-largest)), units),
+            hi: upper_by(elementary::atan(self.hi.min(largest)), units),
+        }
+    }
+
+    /// Between two poles the tangent rises. Its values at the bounds are quotients of enclosures
+    /// of sine and cosine, because near a pole the relative error of the cosine is large.
+    #[inline(always)]
+    fn tan(self, notes: &mut NotesOf<Self>) -> Self {
+        let one = self.lo.same(1.0);
+        let half_turns = one.same(std::f64::consts::FRAC_1_PI);
+        let (from, to) = (self.lo * half_turns, self.hi * half_turns);
+        let e = (from.abs().max(to.abs()) + one) * one.same(8.0 * L::Scalar::UNIT);
+        let limit = elementary::trig_limit::<L::Scalar>();
+        let inner = self.clamped(-limit, limit);
+        let far = self.lo.lt(one.same(-limit)) | one.same(limit).lt(self.hi);
+        let pole = far | holds_phase(from - e, to + e, 0.5);
+        notes.discontinuous = notes.discontinuous | pole;
+        let (lo, hi) = (tan_at(inner.lo), tan_at(inner.hi));
+        let entire = Self::entire(one);
+        Self { lo: L::pick(pole, entire.lo, lo.lo), hi: L::pick(pole, entire.hi, hi.hi) }
+    }
+
+    /// Beyond the limit the functions are unbounded for f32 or f64; the safe bound on the near side
+    /// is the value at the limit.
+    #[inline(always)]
+    fn hyperbolic(self, function: Hyperbolic) -> Self {
+        let units = HYPERBOLIC_ERROR + 2.0;
+        let (one, entire) = (self.lo.same(1.0), Self::entire(self.lo));
+        let limit = elementary::exp_limits::<L::Scalar>().1;
+        let inner = self.clamped(-limit, limit);
+        let limit = one.same(limit);
+        match function {
+            Hyperbolic::Sinh => {
+                let lo = lower_by(elementary::sinh(inner.lo), units);
+                let hi = upper_by(elementary::sinh(inner.hi), units);
+                Self {
+                    lo: L::pick(self.lo.lt(-limit), entire.lo, lo),
+                    hi: L::pick(limit.lt(self.hi), entire.hi, hi),
+                }
+            }
+            Hyperbolic::Cosh => {
+                let (least, most) = inner.magnitudes();
+                let unbounded = self.lo.lt(-limit) | limit.lt(self.hi);
+                let hi = upper_by(elementary::cosh(most), units);
+                Self {
+                    lo: lower_by(elementary::cosh(least), units).max(one),
+                    hi: L::pick(unbounded, entire.hi, hi),
+                }
+            }
+            Hyperbolic::Tanh => Self {
+                lo: lower_by(elementary::tanh(self.lo), units).max(-one),
+                hi: upper_by(elementary::tanh(self.hi), units).min(one),
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn cbrt(self) -> Self {
+        let units = CBRT_ERROR + 2.0;
+        Self {
+            lo: lower_by(elementary::cbrt(self.lo), units),
+            hi: upper_by(elementary::cbrt(self.hi), units),
+        }
+    }
+
+    /// Steps rise and are exact; the function jumps where the two bounds differ.
+    #[inline(always)]
+    fn step(self, step: Step, notes: &mut NotesOf<Self>) -> Self {
+        let (lo, hi) = (step_function(step, self.lo), step_function(step, self.hi));
+        notes.discontinuous = notes.discontinuous | lo.lt(hi);
+        Self { lo, hi }
+    }
+
+    #[inline(always)]
+    fn smoothstep(self) -> Self {
+        let (zero, one) = (self.zero(), self.lo.same(1.0));
+        Self {
+            lo: lower_by(smooth_step(self.lo), 4.0).max(zero),
+            hi: upper_by(smooth_step(self.hi), 4.0).min(one),
         }
     }
 

@@ -52,6 +52,30 @@ pub enum Wave {
     Cos,
 }
 
+/// A function that is constant but for jumps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Step {
+    /// The largest integer not above.
+    Floor,
+    /// The smallest integer not below.
+    Ceil,
+    /// The nearest integer, halves away from zero.
+    Round,
+    /// −1, 0 or 1.
+    Sign,
+}
+
+/// A hyperbolic function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Hyperbolic {
+    /// sinh
+    Sinh,
+    /// cosh
+    Cosh,
+    /// tanh
+    Tanh,
+}
+
 /// What evaluation learnt about the boxes of one vector besides the values, per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Notes<M> {
@@ -136,6 +160,27 @@ pub trait Number: Copy + 'static {
     /// arccos a
     #[must_use]
     fn acos(self, notes: &mut NotesOf<Self>) -> Self;
+    /// arcsin a
+    #[must_use]
+    fn asin(self, notes: &mut NotesOf<Self>) -> Self;
+    /// arctan a
+    #[must_use]
+    fn atan(self) -> Self;
+    /// tan a
+    #[must_use]
+    fn tan(self, notes: &mut NotesOf<Self>) -> Self;
+    /// sinh a, cosh a or tanh a.
+    #[must_use]
+    fn hyperbolic(self, function: Hyperbolic) -> Self;
+    /// The real cube root of a.
+    #[must_use]
+    fn cbrt(self) -> Self;
+    /// A function that jumps.
+    #[must_use]
+    fn step(self, step: Step, notes: &mut NotesOf<Self>) -> Self;
+    /// t²(3 − 2t) with t = a cut to [0, 1]: rises smoothly from 0 to 1.
+    #[must_use]
+    fn smoothstep(self) -> Self;
     /// The angle of (x, y) in [−π, π], y being `self`. Where `lifted`, the angle may leave that
     /// range by whole turns so that it is continuous across the cut: such a value may only reach
     /// functions of period 2π.
