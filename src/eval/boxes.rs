@@ -32,8 +32,10 @@ impl<T: Scalar> Default for Boxes<T> {
 pub struct Verdict {
     /// F > 0 everywhere, or F is defined nowhere.
     pub empty: u64,
-    /// F < 0 everywhere.
+    /// F is defined but for poles and cuts, and F < 0.
     pub inside: u64,
+    /// F < 0 wherever it is defined, which may not be everywhere.
+    pub inside_where_defined: u64,
 }
 
 /// Evaluates tapes over boxes, with G vectors of type L; `G * L::LEN` is [`BATCH`].
@@ -88,12 +90,14 @@ fn run<L: Lanes, const G: usize>(
         }
     }
     let (range, notes) = machine.run(token, tape, &inputs, trace);
-    let mut verdict = Verdict { empty: 0, inside: 0 };
+    let mut verdict = Verdict { empty: 0, inside: 0, inside_where_defined: 0 };
     for g in 0..G {
         let empty = notes[g].undefined | zero.lo.lt(range[g].lo);
-        let inside = range[g].hi.lt(zero.lo) & !notes[g].undefined;
+        let negative = range[g].hi.lt(zero.lo) & !notes[g].undefined;
+        let inside = negative & !notes[g].partial;
         verdict.empty |= empty.bits() << (g * L::LEN);
         verdict.inside |= inside.bits() << (g * L::LEN);
+        verdict.inside_where_defined |= negative.bits() << (g * L::LEN);
     }
     verdict
 }

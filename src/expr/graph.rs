@@ -167,7 +167,8 @@ fn exact_result(node: Node, operands: &[Constant; 2]) -> Option<f64> {
         Node::Unary(Unary::Square, _) => without_remainder(a * a, libm::fma(a, a, -(a * a))),
         Node::Unary(Unary::Recip, _) => without_remainder(1.0 / a, libm::fma(1.0 / a, a, -1.0)),
         Node::Unary(Unary::Sqrt, _) => {
-            without_remainder(a.sqrt(), libm::fma(a.sqrt(), a.sqrt(), -a))
+            let remainder = libm::fma(a.sqrt(), a.sqrt(), -a);
+            without_remainder(a.sqrt(), remainder).filter(|_| a > 1e-200)
         }
         Node::Unary(Unary::Powi(n), _) => {
             let v = elementary::powi(a, n);
@@ -262,7 +263,9 @@ impl Graph {
         let exact = |id| self.node(id).constant().and_then(Constant::as_exact);
         if let (Some(p), Some(q)) = (exact(a), exact(b)) {
             let quotient = p / q;
-            if quotient.is_finite() && libm::fma(quotient, q, -p) == 0.0 {
+            // Subnormal numbers could hide a remainder.
+            let is_normal = p == 0.0 || (p.abs() > 1e-200 && quotient.abs() > 1e-200);
+            if quotient.is_finite() && is_normal && libm::fma(quotient, q, -p) == 0.0 {
                 return self.constant(Constant::exact(quotient));
             }
         }
@@ -282,7 +285,7 @@ impl Graph {
     }
 
     /// aᵇ. An integer exponent gives an exact power, defined for negative a too; any other one
-    /// means exp(b ln a).
+    /// means exp(b ln a), so that a positive power of 0 is 0.
     pub fn pow(&mut self, a: Id, b: Id) -> Id {
         let exponent = self.node(b).constant().copied();
         if let Some(n) = exponent.and_then(|c| c.as_integer()) {

@@ -196,7 +196,12 @@ fn instruction(nodes: &[Node], node: Node, slot_of: &[u32], out: u32) -> Instruc
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expr::Graph;
+    use crate::{
+        eval::Machine,
+        expr::Graph,
+        math::{Notes, Point, Wave},
+    };
+    use proptest::prelude::*;
 
     /// max(x, y) + |z| with x above y and z negative.
     #[test]
@@ -239,6 +244,72 @@ mod tests {
             sum = g.add(square, x);
         }
         assert_eq!(Tape::new(g.nodes(), sum).n_slots(), 4);
+    }
+
+    /// A graph of random operations on the coordinates, constants and earlier results.
+    fn random_graph(seeds: &[(u8, u8, u8)]) -> (Graph, Id) {
+        let mut g = Graph::default();
+        let mut ids: Vec<Id> = (0..3).map(|axis| g.variable(axis)).collect();
+        ids.extend([-1.5, 0.0, 3.0].map(|v| g.constant(Constant::exact(v))));
+        for &(op, a, b) in seeds {
+            // Recent results are taken often, so that programs grow deep.
+            let pick = |i: u8| ids[ids.len() - 1 - usize::from(i) % ids.len().min(9)];
+            let (a, b) = (pick(a), pick(b));
+            ids.push(match op % 14 {
+                0 => g.add(a, b),
+                1 => g.sub(a, b),
+                2 => g.mul(a, b),
+                3 => g.div(a, b),
+                4 => g.binary(Binary::Min, a, b),
+                5 => g.binary(Binary::Max, a, b),
+                6 => g.binary(Binary::Atan2 { lifted: false }, a, b),
+                7 => g.binary(Binary::Harmonic { wave: Wave::Cos, n: 5 }, a, b),
+                8 => g.unary(Unary::Sqrt, a),
+                9 => g.unary(Unary::Abs, a),
+                10 => g.wave(Wave::Sin, a),
+                11 => g.powi(a, i32::from(b as u8 % 5)),
+                12 => g.unary(Unary::Exp, a),
+                _ => g.unary(Unary::Neg, a),
+            });
+        }
+        (g, ids[ids.len() - 1])
+    }
+
+    /// Every node's value, one after the other.
+    fn naive_value(nodes: &[Node], root: Id, p: [f64; 3]) -> f64 {
+        let mut values: Vec<f64> = Vec::new();
+        for node in nodes {
+            let mut slots = [[Point(0.0)]; 2];
+            for (slot, operand) in slots.iter_mut().zip(node.operands()) {
+                *slot = [Point(values[operand as usize])];
+            }
+            let mut notes = [Notes::clear::<f64>(())];
+            match *node {
+                Node::Variable(axis) => slots[0] = [Point(p[usize::from(axis)])],
+                Node::Constant(c) => slots[0] = [Point(c.value)],
+                Node::Unary(op, _) => op.apply(&mut slots, &mut notes, (0, 0)),
+                Node::Binary(op, ..) => op.apply(&mut slots, &mut notes, (0, 1, 0)),
+            }
+            values.push(slots[0][0].0);
+        }
+        values[root as usize]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+        #[test]
+        fn slots_hold_what_the_nodes_mean(
+            seeds in prop::collection::vec(any::<(u8, u8, u8)>(), 1..60),
+            p in [-2.0..2.0_f64, -2.0..2.0_f64, -2.0..2.0_f64],
+        ) {
+            let (graph, root) = random_graph(&seeds);
+            let tape = Tape::new(graph.nodes(), root);
+            let mut machine = Machine::<Point<f64>, 1>::default();
+            let (value, _) = machine.run::<false>((), &tape, &p.map(|v| [Point(v)]));
+            let (got, want) = (value[0].0, naive_value(graph.nodes(), root, p));
+            prop_assert!(got.to_bits() == want.to_bits() || (got.is_nan() && want.is_nan()));
+        }
     }
 
     #[test]

@@ -42,7 +42,7 @@ impl<N: Number> Dual<N> {
     /// The gradient of the angle of (x, y), y being `self`: (x dy − y dx) / (x² + y²).
     #[inline(always)]
     fn angle_gradient(self, x: Self, notes: &mut NotesOf<Self>) -> [N; 3] {
-        let scale = self.value.square().add(x.value.square()).recip(notes);
+        let scale = recip_in_slope(self.value.square().add(x.value.square()), notes);
         let (along_y, along_x) = (x.value.mul(scale), self.value.mul(scale));
         let turn = self.zip(
             x,
@@ -54,10 +54,23 @@ impl<N: Number> Dual<N> {
     }
 }
 
+/// 1 / v as a factor of a derivative: where that is undefined the value itself may be defined, so
+/// only the continuity is noted.
+#[inline(always)]
+fn recip_in_slope<N: Number>(v: N, notes: &mut NotesOf<N>) -> N {
+    let mut of_slope = *notes;
+    let inverse = v.recip(&mut of_slope);
+    notes.discontinuous = of_slope.discontinuous;
+    inverse
+}
+
 /// The derivative of arcsin: 1 / √(1 − v²).
 #[inline(always)]
 fn arc_slope<N: Number>(v: N, notes: &mut NotesOf<N>) -> N {
-    v.square().neg().add_constant(&Constant::exact(1.0)).sqrt(notes).recip(notes)
+    let mut of_slope = *notes;
+    let cosine = v.square().neg().add_constant(&Constant::exact(1.0)).sqrt(&mut of_slope);
+    notes.discontinuous = of_slope.discontinuous;
+    recip_in_slope(cosine, notes)
 }
 
 impl<N: Number> Number for Dual<N> {
@@ -131,7 +144,7 @@ impl<N: Number> Number for Dual<N> {
     #[inline(always)]
     fn sqrt(self, notes: &mut NotesOf<Self>) -> Self {
         let root = self.value.sqrt(notes);
-        self.chain(root, root.add(root).recip(notes))
+        self.chain(root, recip_in_slope(root.add(root), notes))
     }
     #[inline(always)]
     fn abs(self) -> Self {
@@ -173,13 +186,13 @@ impl<N: Number> Number for Dual<N> {
     #[inline(always)]
     fn ln(self, notes: &mut NotesOf<Self>) -> Self {
         let value = self.value.ln(notes);
-        self.chain(value, self.value.recip(notes))
+        self.chain(value, recip_in_slope(self.value, notes))
     }
     #[inline(always)]
     fn acos(self, notes: &mut NotesOf<Self>) -> Self {
         let value = self.value.acos(notes);
-        let sine = self.value.square().neg().add_constant(&Constant::exact(1.0)).sqrt(notes);
-        self.chain(value, sine.recip(notes).neg())
+        let slope = arc_slope(self.value, notes);
+        self.chain(value, slope.neg())
     }
     #[inline(always)]
     fn asin(self, notes: &mut NotesOf<Self>) -> Self {

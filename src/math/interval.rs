@@ -40,7 +40,9 @@ fn margin<L: Lanes>(c: L, units: f64) -> L {
     c.abs() * c.same(phi) + c.same(units * L::Scalar::TINY)
 }
 
-/// A lower bound of a value whose computed form is c, at most `units` roundings away.
+/// A lower bound of a value whose computed form is c. One correctly rounded operation needs one
+/// unit; a computed value with a larger error needs that error in units of u and one unit more,
+/// because this difference is rounded itself.
 #[inline(always)]
 fn lower_by<L: Lanes>(c: L, units: f64) -> L {
     // A computed +∞ is an overflow: the value is above the largest number.
@@ -48,7 +50,7 @@ fn lower_by<L: Lanes>(c: L, units: f64) -> L {
     c - margin(c, units)
 }
 
-/// An upper bound of a value whose computed form is c, at most `units` roundings away.
+/// An upper bound of a value whose computed form is c; see [`lower_by`].
 #[inline(always)]
 fn upper_by<L: Lanes>(c: L, units: f64) -> L {
     let c = c.max(c.same(-L::Scalar::MAX));
@@ -100,6 +102,16 @@ impl<L: Lanes> Interval<L> {
     fn clamped(self, lo: f64, hi: f64) -> Self {
         let (least, most) = (self.lo.same(lo), self.lo.same(hi));
         Self { lo: self.lo.max(least).min(most), hi: self.hi.min(most).max(least) }
+    }
+
+    /// Notes what is outside the domain of arcsin and arccos.
+    #[inline(always)]
+    fn note_beyond_one(self, notes: &mut NotesOf<Self>) {
+        let one = self.lo.same(1.0);
+        let partial = self.lo.lt(-one) | one.lt(self.hi);
+        notes.discontinuous = notes.discontinuous | partial;
+        notes.partial = notes.partial | partial;
+        notes.undefined = notes.undefined | self.hi.lt(-one) | one.lt(self.lo);
     }
 
     #[inline(always)]
@@ -183,9 +195,10 @@ impl<L: Lanes> Number for Interval<L> {
         let (zero, one) = (self.zero(), self.lo.same(1.0));
         let pole = self.contains_zero();
         notes.discontinuous = notes.discontinuous | pole;
-        notes.undefined = notes.undefined | (self.lo.eq(zero) & self.hi.eq(zero));
-        let unbounded_below = pole & self.lo.lt(zero);
-        let unbounded_above = pole & zero.lt(self.hi);
+        let only_zero = self.lo.eq(zero) & self.hi.eq(zero);
+        notes.undefined = notes.undefined | only_zero;
+        let unbounded_below = (pole & self.lo.lt(zero)) | only_zero;
+        let unbounded_above = (pole & zero.lt(self.hi)) | only_zero;
         let entire = Self::entire(zero);
         Self {
             lo: L::pick(unbounded_below, entire.lo, lower(one / self.hi)),
@@ -202,7 +215,8 @@ impl<L: Lanes> Number for Interval<L> {
 
     #[inline(always)]
     fn powi(self, n: u32) -> Self {
-        let units = f64::from(n);
+        // (n − 1) u is the error to first order; (n u)² covers the rest.
+        let units = f64::from(n) * (1.0 + f64::from(n) * L::Scalar::UNIT);
         if n == 1 {
             self
         } else if n.is_multiple_of(2) {
@@ -218,7 +232,9 @@ impl<L: Lanes> Number for Interval<L> {
     #[inline(always)]
     fn sqrt(self, notes: &mut NotesOf<Self>) -> Self {
         let zero = self.zero();
-        notes.discontinuous = notes.discontinuous | self.lo.lt(zero);
+        let below = self.lo.lt(zero);
+        notes.discontinuous = notes.discontinuous | below;
+        notes.partial = notes.partial | below;
         notes.undefined = notes.undefined | self.hi.lt(zero);
         Self { lo: lower(self.lo.max(zero).sqrt()).max(zero), hi: upper(self.hi.max(zero).sqrt()) }
     }
@@ -252,7 +268,8 @@ impl<L: Lanes> Number for Interval<L> {
             Wave::Sin => (elementary::sin(inner.lo), elementary::sin(inner.hi)),
             Wave::Cos => (elementary::cos(inner.lo), elementary::cos(inner.hi)),
         };
-        let error = one.same(TRIG_ERROR * L::Scalar::UNIT);
+        // One unit more for the rounding of the bounds themselves.
+        let error = one.same((TRIG_ERROR + 1.0) * L::Scalar::UNIT);
         let (least, most) = (a.min(b) - error, a.max(b) + error);
 
         let turns = one.same(0.5 * std::f64::consts::FRAC_1_PI);
@@ -281,11 +298,14 @@ impl<L: Lanes> Number for Interval<L> {
         Self { lo: lower_by(lo, units).max(zero), hi: upper_by(hi, units) }
     }
 
+    /// At zero the logarithm counts as defined, with the limit −∞ for its value, so that powers,
+    /// which are exponentials of logarithms, are 0 at zero.
     #[inline(always)]
     fn ln(self, notes: &mut NotesOf<Self>) -> Self {
         let zero = self.zero();
         notes.discontinuous = notes.discontinuous | self.lo.le(zero);
-        notes.undefined = notes.undefined | self.hi.le(zero);
+        notes.partial = notes.partial | self.lo.lt(zero);
+        notes.undefined = notes.undefined | self.hi.lt(zero);
         let tiny = zero.same(L::Scalar::TINY);
         let units = LN_ERROR + 2.0;
         let lo = lower_by(elementary::ln(self.lo.max(tiny)), units);
@@ -295,10 +315,7 @@ impl<L: Lanes> Number for Interval<L> {
 
     #[inline(always)]
     fn acos(self, notes: &mut NotesOf<Self>) -> Self {
-        let one = self.lo.same(1.0);
-        let partial = self.lo.lt(-one) | one.lt(self.hi);
-        notes.discontinuous = notes.discontinuous | partial;
-        notes.undefined = notes.undefined | self.hi.lt(-one) | one.lt(self.lo);
+        self.note_beyond_one(notes);
         let inner = self.clamped(-1.0, 1.0);
         let units = ACOS_ERROR + 2.0;
         Self {
@@ -309,10 +326,7 @@ impl<L: Lanes> Number for Interval<L> {
 
     #[inline(always)]
     fn asin(self, notes: &mut NotesOf<Self>) -> Self {
-        let one = self.lo.same(1.0);
-        let partial = self.lo.lt(-one) | one.lt(self.hi);
-        notes.discontinuous = notes.discontinuous | partial;
-        notes.undefined = notes.undefined | self.hi.lt(-one) | one.lt(self.lo);
+        self.note_beyond_one(notes);
         let inner = self.clamped(-1.0, 1.0);
         let units = ACOS_ERROR + 2.0;
         Self {

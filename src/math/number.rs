@@ -81,6 +81,8 @@ pub enum Hyperbolic {
 pub struct Notes<M> {
     /// The formula is undefined everywhere in the box: it cannot meet a surface.
     pub undefined: M,
+    /// The formula may be undefined in a part of the box, and not just on a surface such as a pole.
+    pub partial: M,
     /// The formula was not shown to be defined and continuous everywhere in the box: a change of
     /// sign there proves nothing.
     pub discontinuous: M,
@@ -91,7 +93,7 @@ impl<M: Mask> Notes<M> {
     #[inline(always)]
     pub fn clear<L: Lanes<Mask = M>>(token: L::Token) -> Self {
         let none = L::splat_mask(token, false);
-        Self { undefined: none, discontinuous: none }
+        Self { undefined: none, partial: none, discontinuous: none }
     }
 }
 
@@ -154,7 +156,7 @@ pub trait Number: Copy + 'static {
     /// eᵃ
     #[must_use]
     fn exp(self) -> Self;
-    /// ln a
+    /// ln a, with ln 0 = −∞
     #[must_use]
     fn ln(self, notes: &mut NotesOf<Self>) -> Self;
     /// arccos a
