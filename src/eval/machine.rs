@@ -30,7 +30,7 @@ impl<N: Number, const G: usize> Machine<N, G> {
         tape: &Tape,
         inputs: &[Slot<N, G>; 3],
         trace: bool,
-    ) -> (Slot<N, G>, [NotesOf<N>; G]) {
+    ) -> [NotesOf<N>; G] {
         if self.slots.len() < tape.n_slots() {
             let zero = N::constant(token, &Constant::exact(0.0));
             self.slots.resize(tape.n_slots(), [zero; G]);
@@ -69,7 +69,13 @@ impl<N: Number, const G: usize> Machine<N, G> {
                 }
             }
         }
-        (slots[tape.result()], notes)
+        notes
+    }
+
+    /// A slot of the last run, such as [`Tape::result`].
+    #[inline(always)]
+    pub fn slot(&self, index: usize) -> &Slot<N, G> {
+        &self.slots[index]
     }
 
     /// The outcomes of the last traced run, one entry for each choice of the tape: the lanes for

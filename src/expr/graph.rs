@@ -219,6 +219,17 @@ impl Graph {
         }
     }
 
+    /// Adds what `root` of another graph needs, and returns what `root` is here.
+    pub fn import(&mut self, other: &Self, root: Id) -> Id {
+        let (nodes, roots) = prune(&other.nodes, &[root]);
+        let mut moved: Vec<Id> = Vec::with_capacity(nodes.len());
+        for node in nodes {
+            let node = node.map_operands(|operand| moved[operand as usize]);
+            moved.push(self.add_node(node));
+        }
+        moved[roots[0] as usize]
+    }
+
     /// The coordinate x, y or z (0, 1 or 2).
     pub fn variable(&mut self, axis: u8) -> Id {
         self.add_node(Node::Variable(axis))
@@ -368,12 +379,12 @@ const MAX_HARMONIC: u32 = 1024;
 /// Sums nested deeper than this keep the cuts of their angles.
 const MAX_LIFT_DEPTH: u32 = 64;
 
-/// Removes what `root` does not need; the root becomes the last node.
+/// Removes what the roots do not need; returns where the roots are then.
 #[must_use]
-pub(super) fn prune(nodes: &[Node], root: Id) -> Vec<Node> {
+pub(super) fn prune(nodes: &[Node], roots: &[Id]) -> (Vec<Node>, Vec<Id>) {
     let mut needed = vec![false; nodes.len()];
-    needed[root as usize] = true;
-    for id in (0..=root as usize).rev() {
+    roots.iter().for_each(|&root| needed[root as usize] = true);
+    for id in (0..nodes.len()).rev() {
         if needed[id] {
             nodes[id].operands().for_each(|operand| needed[operand as usize] = true);
         }
@@ -384,7 +395,7 @@ pub(super) fn prune(nodes: &[Node], root: Id) -> Vec<Node> {
         moved[id] = kept.len() as Id;
         kept.push(node.map_operands(|operand| moved[operand as usize]));
     }
-    kept
+    (kept, roots.iter().map(|&root| moved[root as usize]).collect())
 }
 
 #[cfg(test)]
@@ -469,7 +480,8 @@ mod tests {
         let (x, y) = (g.variable(0), g.variable(1));
         let sum = g.add(x, y);
         g.mul(x, y);
-        let nodes = prune(g.nodes(), sum);
+        let (nodes, roots) = prune(g.nodes(), &[sum]);
+        assert_eq!(roots, [2]);
         assert!(matches!(
             nodes[..],
             [Node::Variable(0), Node::Variable(1), Node::Binary(Binary::Add, 0, 1)]

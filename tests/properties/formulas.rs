@@ -92,8 +92,9 @@ fn run<N: Number<Lanes: Lanes<Token = ()>>>(
     tape: &Tape,
     inputs: [N; 3],
 ) -> (N, Notes<<N::Lanes as Lanes>::Mask>) {
-    let (value, notes) = Machine::<N, 1>::default().run::<false>((), tape, &inputs.map(|v| [v]));
-    (value[0], notes[0])
+    let mut machine = Machine::<N, 1>::default();
+    let notes = machine.run((), tape, &inputs.map(|v| [v]), false);
+    (machine.slot(tape.result())[0], notes[0])
 }
 
 pub(crate) fn value_at(tape: &Tape, p: [f64; 3]) -> f64 {
@@ -103,7 +104,7 @@ pub(crate) fn value_at(tape: &Tape, p: [f64; 3]) -> f64 {
 /// The choices of a tape on a box.
 fn choices_on(tape: &Tape, inputs: [Interval<f32>; 3]) -> Vec<Choice> {
     let mut machine = Machine::<Interval<f32>, 1>::default();
-    machine.run::<true>((), tape, &inputs.map(|v| [v]));
+    machine.run((), tape, &inputs.map(|v| [v]), true);
     let outcome = |&[first, second]: &[u64; 2]| match (first & 1, second & 1) {
         (1, _) => Choice::First,
         (_, 1) => Choice::Second,

@@ -1,11 +1,11 @@
 //! Every operation on intervals contains its results at points of its operands, rounding included.
 
 use proptest::prelude::*;
-use zeroset::math::{Binary, Constant, Interval, Notes, Unary, Wave};
+use zeroset::math::{Binary, Constant, Hyperbolic, Interval, Notes, Step, Unary, Wave};
 
 use crate::numbers::{Float, Truth, cases, interval, is_sane, number, reals};
 
-const UNARY: [Unary; 15] = [
+const UNARY: [Unary; 27] = [
     Unary::Neg,
     Unary::Recip,
     Unary::Square,
@@ -21,6 +21,18 @@ const UNARY: [Unary; 15] = [
     Unary::Exp,
     Unary::Ln,
     Unary::Acos,
+    Unary::Asin,
+    Unary::Atan,
+    Unary::Tan,
+    Unary::Hyperbolic(Hyperbolic::Sinh),
+    Unary::Hyperbolic(Hyperbolic::Cosh),
+    Unary::Hyperbolic(Hyperbolic::Tanh),
+    Unary::Cbrt,
+    Unary::Step(Step::Floor),
+    Unary::Step(Step::Ceil),
+    Unary::Step(Step::Round),
+    Unary::Step(Step::Sign),
+    Unary::Smoothstep,
 ];
 
 const BINARY: [Binary; 7] = [
@@ -54,6 +66,23 @@ fn unary_truth(op: Unary, a: f64) -> Option<Truth> {
         Unary::Ln => Truth::within(libm::log(a), 2),
         Unary::Acos if a.abs() > 1.0 => return None,
         Unary::Acos => Truth::within(libm::acos(a), 2),
+        Unary::Asin if a.abs() > 1.0 => return None,
+        Unary::Asin => Truth::within(libm::asin(a), 2),
+        Unary::Atan => Truth::within(libm::atan(a), 2),
+        Unary::Tan => Truth::within(libm::tan(a), 2),
+        Unary::Hyperbolic(Hyperbolic::Sinh) => Truth::within(libm::sinh(a), 3),
+        Unary::Hyperbolic(Hyperbolic::Cosh) => Truth::within(libm::cosh(a), 3),
+        Unary::Hyperbolic(Hyperbolic::Tanh) => Truth::within(libm::tanh(a), 3),
+        Unary::Cbrt => Truth::within(libm::cbrt(a), 2),
+        Unary::Step(Step::Floor) => Truth::exact(a.floor()),
+        Unary::Step(Step::Ceil) => Truth::exact(a.ceil()),
+        Unary::Step(Step::Round) => Truth::exact(a.round()),
+        Unary::Step(Step::Sign) if a == 0.0 => Truth::exact(0.0),
+        Unary::Step(Step::Sign) => Truth::exact(a.signum()),
+        Unary::Smoothstep => {
+            let t = a.clamp(0.0, 1.0);
+            Truth::within(t * t * (3.0 - 2.0 * t), 4)
+        }
     })
 }
 

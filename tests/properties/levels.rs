@@ -52,7 +52,8 @@ fn ranges<L: Lanes, const G: usize>(
         }
     }
     let mut machine = Machine::<Interval<L>, G>::default();
-    let (range, notes) = machine.run::<false>(token, tape, &inputs);
+    let notes = machine.run(token, tape, &inputs, false);
+    let range = machine.slot(tape.result());
     let mut out = Vec::new();
     for g in 0..G {
         let (mut lo, mut hi) = ([L::Scalar::default(); 16], [L::Scalar::default(); 16]);
@@ -114,7 +115,9 @@ where
     let one = |i: usize| {
         let inputs =
             [0, 1, 2].map(|axis| [Interval { lo: boxes.lo[axis][i], hi: boxes.hi[axis][i] }]);
-        let (range, notes) = Machine::<Interval<T>, 1>::default().run::<false>((), tape, &inputs);
+        let mut machine = Machine::<Interval<T>, 1>::default();
+        let notes = machine.run((), tape, &inputs, false);
+        let range = machine.slot(tape.result());
         let note = note_bits::<T>(notes[0], 0);
         [bits(range[0].lo.to_f64()), bits(range[0].hi.to_f64()), note]
     };
@@ -132,7 +135,9 @@ where
 {
     let one = |i: usize| {
         let inputs = [0, 1, 2].map(|axis| [input(points[axis][i], axis)]);
-        let (value, _) = Machine::<N, 1>::default().run::<false>((), tape, &inputs);
+        let mut machine = Machine::<N, 1>::default();
+        machine.run((), tape, &inputs, false);
+        let value = machine.slot(tape.result());
         output(value[0]).into_iter().map(bits).collect()
     };
     (0..POINT_BATCH).map(one).collect()

@@ -33,7 +33,7 @@ fn cube(half: f64, resolution: u32) -> Lattice {
 }
 
 fn run(expr: &Expr, lattice: &Lattice) -> Voxelization {
-    voxelize(expr, lattice, SimdLevel::detect(), &Unwatched).unwrap()
+    voxelize(expr, lattice, SimdLevel::detect(), u32::MAX, &Unwatched).unwrap()
 }
 
 /// The blend of spheres of scene 1: ten balls, positive inside.
@@ -263,7 +263,9 @@ fn no_voxel_is_lost_in_awkward_domains() {
 /// What is certain of F at a point: that it is negative, that it is positive.
 fn certain_signs(tape: &Tape, p: [f64; 3]) -> [bool; 2] {
     let inputs = p.map(|v| [Interval::point(v)]);
-    let (range, notes) = Machine::<Interval<f64>, 1>::default().run::<false>((), tape, &inputs);
+    let mut machine = Machine::<Interval<f64>, 1>::default();
+    let notes = machine.run((), tape, &inputs, false);
+    let range = machine.slot(tape.result());
     let is_regular = !notes[0].undefined && !notes[0].discontinuous;
     [range[0].hi < 0.0, 0.0 < range[0].lo].map(|sign| sign && is_regular)
 }
@@ -380,7 +382,7 @@ fn threads_and_levels_change_nothing() {
             same(&pool.install(|| run(expr, lattice)), &format!("{threads} threads"));
         }
         for level in SimdLevel::available() {
-            same(&voxelize(expr, lattice, level, &Unwatched).unwrap(), level.name());
+            same(&voxelize(expr, lattice, level, u32::MAX, &Unwatched).unwrap(), level.name());
         }
     }
 }
