@@ -10,6 +10,7 @@
 //! *Based on:* N. Stolte, A. Kaufman, "Parallel Spatial Enumeration of Implicit Surfaces using
 //! Interval Arithmetic for Octree Generation and its Direct Visualization", 1998, sections 2 to 4.
 
+mod bounds;
 mod corners;
 mod normals;
 mod sampling;
@@ -23,6 +24,7 @@ use std::sync::{
 use fearless_simd::{Simd, f32x16, f64x8};
 use rayon::prelude::*;
 
+pub use bounds::{Extent, find_extent};
 pub use sampling::{FieldRange, sample_field};
 
 use crate::{

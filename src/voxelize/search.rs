@@ -29,6 +29,11 @@ impl Run {
         Self { nodes: vec![[0; 3]], tape }
     }
 
+    /// The nodes.
+    pub(super) fn nodes(&self) -> &[[u32; 3]] {
+        &self.nodes
+    }
+
     /// One run for each node.
     pub(super) fn into_single_nodes(self) -> impl Iterator<Item = Self> {
         let Self { nodes, tape } = self;
