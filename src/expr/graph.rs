@@ -430,6 +430,19 @@ mod tests {
         assert!(c.lo < 1.0 / 3.0 && 1.0 / 3.0 < c.hi && c.as_exact().is_none());
     }
 
+    /// The remainders of these are below the smallest number.
+    #[test]
+    fn underflow_does_not_pass_for_exactness() {
+        let mut g = Graph::default();
+        let (five, three) = (exact(&mut g, 25e-324), exact(&mut g, 15e-324));
+        let divisor = exact(&mut g, 1.1);
+        let (quotient, root) = (g.div(five, divisor), g.unary(Unary::Sqrt, three));
+        for id in [quotient, root] {
+            let c = *g.node(id).constant().unwrap();
+            assert!(c.lo < c.hi, "{c:?}");
+        }
+    }
+
     #[test]
     fn division_by_zero_is_not_folded() {
         let mut g = Graph::default();

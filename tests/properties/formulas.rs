@@ -53,7 +53,7 @@ pub(crate) fn formula() -> impl Strategy<Value = String> {
         "sin(3*atan2(A,B))",
         "(A)+0.3*(B)",
     ]);
-    leaf.prop_map(str::to_owned).prop_recursive(5, 24, 2, move |inner| {
+    leaf.prop_map(str::to_owned).prop_recursive(6, 64, 2, move |inner| {
         prop_oneof![
             2 => (unary.clone(), inner.clone()).prop_map(|(form, a)| form.replace('A', &a)),
             3 => (binary.clone(), inner.clone(), inner)
@@ -119,7 +119,7 @@ fn overlap(box_range: Interval<f32>, point_range: Interval<f64>) -> bool {
 }
 
 proptest! {
-    #![proptest_config(cases(12_000))]
+    #![proptest_config(cases(40_000))]
 
     #[test]
     fn ranges_over_boxes_contain_values_at_points(
@@ -149,7 +149,8 @@ proptest! {
                     "F{p:?} = {value:?}, not in {range:?}"
                 );
             }
-            if !value.is_nan() {
+            // At a pole the sign of infinity is a matter of chance.
+            if !value.is_nan() && !notes_here.undefined && !notes_here.discontinuous {
                 prop_assert_eq!(value_at(&short, p), value, "shortened, at {:?}", p);
             }
         }
