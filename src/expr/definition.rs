@@ -137,7 +137,8 @@ impl<'a> Definitions<'a> {
         let mut names: Vec<Cow<'_, str>> = cycle.iter().map(|&index| name(index).into()).collect();
         if names.len() > MAX_SHOWN {
             let hidden = names.len() - MAX_SHOWN + 1;
-            names.splice(MAX_SHOWN / 2..MAX_SHOWN / 2 + hidden, [format!("({hidden} more)").into()]);
+            names
+                .splice(MAX_SHOWN / 2..MAX_SHOWN / 2 + hidden, [format!("({hidden} more)").into()]);
         }
         names.push(name(first).into());
         let message = format!("`{}` is defined by itself: {}", name(first), names.join(" -> "));

@@ -97,11 +97,6 @@ pub(super) fn wrong_count(function: &Function, span: Range<usize>, found: usize)
         .help(format!("write `{}`", function.usage()))
 }
 
-/// PLACEHOLDER, goes with the last function that is missing.
-pub(super) fn not_available(function: &Function, span: Range<usize>) -> Diagnostic {
-    Diagnostic::new(span, format!("`{}` is not available yet", function.name))
-}
-
 /// The known word that was meant, if one is near: the same but for capitals, or a slip away.
 fn meant<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     if word.len() > MAX_WORD {

@@ -7,7 +7,7 @@ use super::{
     graph::{Graph, Id},
     names::length,
 };
-use crate::math::{Binary, Constant, Unary, Wave};
+use crate::math::{Binary, Constant, Hyperbolic, Step, Unary, Wave};
 
 /// A function of the language.
 pub(super) struct Function {
@@ -24,8 +24,6 @@ enum Lower {
     Three(fn(&mut Graph, Id, Id, Id) -> Id),
     /// Any number, the least being the number of named parameters.
     Many(fn(&mut Graph, &[Id]) -> Id),
-    /// PLACEHOLDER: needs an operation that is missing.
-    NotYet,
 }
 
 impl Function {
@@ -56,11 +54,6 @@ impl Function {
             _ => None,
         }
     }
-
-    /// Whether it works in this version.
-    pub(super) fn is_available(&self) -> bool {
-        !matches!(self.lower, Lower::NotYet)
-    }
 }
 
 /// The function of this name.
@@ -84,7 +77,7 @@ const fn new(name: &'static str, parameters: &'static [&'static str], lower: Low
 /// All functions, in the order in which they are listed to the user.
 pub(super) static FUNCTIONS: [Function; 32] = [
     one("sqrt", |g, a| g.unary(Unary::Sqrt, a)),
-    one("cbrt", cbrt),
+    one("cbrt", |g, a| g.unary(Unary::Cbrt, a)),
     one("abs", |g, a| g.unary(Unary::Abs, a)),
     new("min", &["a", "b", "…"], Lower::Many(|g, a| fold(g, Binary::Min, a))),
     new("max", &["a", "b", "…"], Lower::Many(|g, a| fold(g, Binary::Max, a))),
@@ -93,26 +86,26 @@ pub(super) static FUNCTIONS: [Function; 32] = [
     new("clamp", &["a", "low", "high"], Lower::Three(clamp)),
     one("sin", |g, a| g.wave(Wave::Sin, a)),
     one("cos", |g, a| g.wave(Wave::Cos, a)),
-    one("tan", tan),
-    one("asin", asin),
+    one("tan", Graph::tan),
+    one("asin", |g, a| g.unary(Unary::Asin, a)),
     one("acos", |g, a| g.unary(Unary::Acos, a)),
-    one("atan", atan),
+    one("atan", |g, a| g.unary(Unary::Atan, a)),
     new("atan2", &["y", "x"], Lower::Two(|g, y, x| g.binary(ATAN2, y, x))),
-    one("sinh", sinh),
-    one("cosh", cosh),
-    one("tanh", tanh),
+    one("sinh", |g, a| g.unary(Unary::Hyperbolic(Hyperbolic::Sinh), a)),
+    one("cosh", |g, a| g.unary(Unary::Hyperbolic(Hyperbolic::Cosh), a)),
+    one("tanh", |g, a| g.unary(Unary::Hyperbolic(Hyperbolic::Tanh), a)),
     one("exp", |g, a| g.unary(Unary::Exp, a)),
     one("ln", |g, a| g.unary(Unary::Ln, a)),
     one("log2", |g, a| logarithm(g, a, std::f64::consts::LOG2_E)),
     one("log10", |g, a| logarithm(g, a, std::f64::consts::LOG10_E)),
     new("pow", &["base", "exponent"], Lower::Two(Graph::pow)),
     new("hypot", &["a", "b", "…"], Lower::Many(|g, parts| length(parts, g))),
-    new("sign", &["a"], Lower::NotYet),
-    new("floor", &["a"], Lower::NotYet),
-    new("ceil", &["a"], Lower::NotYet),
-    new("round", &["a"], Lower::NotYet),
-    new("mod", &["a", "b"], Lower::NotYet),
-    new("step", &["edge", "a"], Lower::NotYet),
+    one("sign", |g, a| g.unary(Unary::Step(Step::Sign), a)),
+    one("floor", |g, a| g.unary(Unary::Step(Step::Floor), a)),
+    one("ceil", |g, a| g.unary(Unary::Step(Step::Ceil), a)),
+    one("round", |g, a| g.unary(Unary::Step(Step::Round), a)),
+    new("mod", &["a", "b"], Lower::Two(remainder)),
+    new("step", &["edge", "a"], Lower::Two(step)),
     new("smoothstep", &["edge0", "edge1", "a"], Lower::Three(smoothstep)),
     new("mix", &["a", "b", "t"], Lower::Three(mix)),
 ];
@@ -134,79 +127,23 @@ fn logarithm(g: &mut Graph, a: Id, scale: f64) -> Id {
     g.mul(ln, scale)
 }
 
-/// PLACEHOLDER, as all functions down to the next such line: an operation of its own is sharper.
-///
-/// The real cube root: of the positive part minus that of the negative part.
-fn cbrt(g: &mut Graph, a: Id) -> Id {
-    let (zero, three) = (exact(g, 0.0), exact(g, 3.0));
-    let third = g.unary(Unary::Recip, three);
-    let negative = g.unary(Unary::Neg, a);
-    let [positive, negative] = [a, negative].map(|a| {
-        let part = g.binary(Binary::Max, a, zero);
-        g.pow(part, third)
-    });
-    g.sub(positive, negative)
+/// a − b⌊a/b⌋, which has the sign of b.
+fn remainder(g: &mut Graph, a: Id, b: Id) -> Id {
+    let quotient = g.div(a, b);
+    let floor = g.unary(Unary::Step(Step::Floor), quotient);
+    let whole = g.mul(b, floor);
+    g.sub(a, whole)
 }
 
-/// sin a / cos a
-fn tan(g: &mut Graph, a: Id) -> Id {
-    let (sin, cos) = (g.wave(Wave::Sin, a), g.wave(Wave::Cos, a));
-    g.div(sin, cos)
+/// 0 below `edge`, 1 from there on: 1 + min(sign(a − edge), 0).
+fn step(g: &mut Graph, edge: Id, a: Id) -> Id {
+    let (zero, one) = (exact(g, 0.0), exact(g, 1.0));
+    let difference = g.sub(a, edge);
+    let sign = g.unary(Unary::Step(Step::Sign), difference);
+    let drop = g.binary(Binary::Min, sign, zero);
+    g.add(drop, one)
 }
 
-/// The angle of (√(1 − a²), a)
-fn asin(g: &mut Graph, a: Id) -> Id {
-    let (one, square) = (exact(g, 1.0), g.powi(a, 2));
-    let rest = g.sub(one, square);
-    let cos = g.unary(Unary::Sqrt, rest);
-    g.binary(ATAN2, a, cos)
-}
-
-/// The angle of (1, a)
-fn atan(g: &mut Graph, a: Id) -> Id {
-    let one = exact(g, 1.0);
-    g.binary(ATAN2, a, one)
-}
-
-/// (eᵃ − e⁻ᵃ) / 2: both terms grow with a.
-fn sinh(g: &mut Graph, a: Id) -> Id {
-    let (exp, half) = (g.unary(Unary::Exp, a), exact(g, 0.5));
-    let inverse = g.unary(Unary::Recip, exp);
-    let difference = g.sub(exp, inverse);
-    g.mul(difference, half)
-}
-
-/// 1 + 2 sinh²(a/2)
-fn cosh(g: &mut Graph, a: Id) -> Id {
-    let [one, two, half] = [1.0, 2.0, 0.5].map(|v| exact(g, v));
-    let half_a = g.mul(a, half);
-    let sinh = sinh(g, half_a);
-    let square = g.powi(sinh, 2);
-    let double = g.mul(square, two);
-    g.add(one, double)
-}
-
-/// 1 − 2 / (e²ᵃ + 1)
-fn tanh(g: &mut Graph, a: Id) -> Id {
-    let [one, two] = [1.0, 2.0].map(|v| exact(g, v));
-    let double = g.mul(a, two);
-    let exp = g.unary(Unary::Exp, double);
-    let sum = g.add(exp, one);
-    let quotient = g.div(two, sum);
-    g.sub(one, quotient)
-}
-
-/// t²(3 − 2t), t between 0 and 1
-fn unit_smoothstep(g: &mut Graph, t: Id) -> Id {
-    let [zero, one, two, three] = [0.0, 1.0, 2.0, 3.0].map(|v| exact(g, v));
-    let t = clamp(g, t, zero, one);
-    let (double, square) = (g.mul(t, two), g.powi(t, 2));
-    let rest = g.sub(three, double);
-    g.mul(square, rest)
-}
-
-/// END OF PLACEHOLDERS
-///
 /// The nearest number to a between `low` and `high`.
 fn clamp(g: &mut Graph, a: Id, low: Id, high: Id) -> Id {
     let a = g.binary(Binary::Max, a, low);
@@ -217,7 +154,7 @@ fn clamp(g: &mut Graph, a: Id, low: Id, high: Id) -> Id {
 fn smoothstep(g: &mut Graph, edge0: Id, edge1: Id, a: Id) -> Id {
     let (from, width) = (g.sub(a, edge0), g.sub(edge1, edge0));
     let t = g.div(from, width);
-    unit_smoothstep(g, t)
+    g.unary(Unary::Smoothstep, t)
 }
 
 /// a where t = 0, b where t = 1, linear between them.

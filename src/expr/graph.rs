@@ -167,7 +167,8 @@ fn exact_result(node: Node, operands: &[Constant; 2]) -> Option<f64> {
         Node::Unary(Unary::Square, _) => without_remainder(a * a, libm::fma(a, a, -(a * a))),
         Node::Unary(Unary::Recip, _) => without_remainder(1.0 / a, libm::fma(1.0 / a, a, -1.0)),
         Node::Unary(Unary::Sqrt, _) => {
-            without_remainder(a.sqrt(), libm::fma(a.sqrt(), a.sqrt(), -a))
+            let remainder = libm::fma(a.sqrt(), a.sqrt(), -a);
+            without_remainder(a.sqrt(), remainder).filter(|_| a > 1e-200)
         }
         Node::Unary(Unary::Powi(n), _) => {
             let v = elementary::powi(a, n);
@@ -218,6 +219,17 @@ impl Graph {
         }
     }
 
+    /// Adds what `root` of another graph needs, and returns what `root` is here.
+    pub fn import(&mut self, other: &Self, root: Id) -> Id {
+        let (nodes, roots) = prune(&other.nodes, &[root]);
+        let mut moved: Vec<Id> = Vec::with_capacity(nodes.len());
+        for node in nodes {
+            let node = node.map_operands(|operand| moved[operand as usize]);
+            moved.push(self.add_node(node));
+        }
+        moved[roots[0] as usize]
+    }
+
     /// The coordinate x, y or z (0, 1 or 2).
     pub fn variable(&mut self, axis: u8) -> Id {
         self.add_node(Node::Variable(axis))
@@ -262,7 +274,9 @@ impl Graph {
         let exact = |id| self.node(id).constant().and_then(Constant::as_exact);
         if let (Some(p), Some(q)) = (exact(a), exact(b)) {
             let quotient = p / q;
-            if quotient.is_finite() && libm::fma(quotient, q, -p) == 0.0 {
+            // Subnormal numbers could hide a remainder.
+            let is_normal = p == 0.0 || (p.abs() > 1e-200 && quotient.abs() > 1e-200);
+            if quotient.is_finite() && is_normal && libm::fma(quotient, q, -p) == 0.0 {
                 return self.constant(Constant::exact(quotient));
             }
         }
@@ -282,7 +296,7 @@ impl Graph {
     }
 
     /// aᵇ. An integer exponent gives an exact power, defined for negative a too; any other one
-    /// means exp(b ln a).
+    /// means exp(b ln a), so that a positive power of 0 is 0.
     pub fn pow(&mut self, a: Id, b: Id) -> Id {
         let exponent = self.node(b).constant().copied();
         if let Some(n) = exponent.and_then(|c| c.as_integer()) {
@@ -311,6 +325,16 @@ impl Graph {
         }
         let lifted = self.lift_angles(a, 0, &mut FxHashMap::default()).unwrap_or(a);
         self.unary(Unary::Wave(wave), lifted)
+    }
+
+    /// tan a; of a multiple of an angle, as a quotient of harmonics.
+    pub fn tan(&mut self, a: Id) -> Id {
+        if self.angle_multiple(a).is_some() {
+            let (sin, cos) = (self.wave(Wave::Sin, a), self.wave(Wave::Cos, a));
+            return self.div(sin, cos);
+        }
+        let lifted = self.lift_angles(a, 0, &mut FxHashMap::default()).unwrap_or(a);
+        self.unary(Unary::Tan, lifted)
     }
 
     /// Recognises n times the angle of (x, y): (n, y, x), with n not 0.
@@ -376,12 +400,12 @@ const MAX_LIFT_DEPTH: u32 = 64;
 /// Sums of more parts than this keep the cuts of their angles.
 const MAX_LIFTED: usize = 1024;
 
-/// Removes what `root` does not need; the root becomes the last node.
+/// Removes what the roots do not need; returns where the roots are then.
 #[must_use]
-pub(super) fn prune(nodes: &[Node], root: Id) -> Vec<Node> {
+pub(super) fn prune(nodes: &[Node], roots: &[Id]) -> (Vec<Node>, Vec<Id>) {
     let mut needed = vec![false; nodes.len()];
-    needed[root as usize] = true;
-    for id in (0..=root as usize).rev() {
+    roots.iter().for_each(|&root| needed[root as usize] = true);
+    for id in (0..nodes.len()).rev() {
         if needed[id] {
             nodes[id].operands().for_each(|operand| needed[operand as usize] = true);
         }
@@ -392,7 +416,7 @@ pub(super) fn prune(nodes: &[Node], root: Id) -> Vec<Node> {
         moved[id] = kept.len() as Id;
         kept.push(node.map_operands(|operand| moved[operand as usize]));
     }
-    kept
+    (kept, roots.iter().map(|&root| moved[root as usize]).collect())
 }
 
 #[cfg(test)]
@@ -491,7 +515,8 @@ mod tests {
         let (x, y) = (g.variable(0), g.variable(1));
         let sum = g.add(x, y);
         g.mul(x, y);
-        let nodes = prune(g.nodes(), sum);
+        let (nodes, roots) = prune(g.nodes(), &[sum]);
+        assert_eq!(roots, [2]);
         assert!(matches!(
             nodes[..],
             [Node::Variable(0), Node::Variable(1), Node::Binary(Binary::Add, 0, 1)]

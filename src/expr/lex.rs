@@ -257,7 +257,10 @@ mod tests {
 
     #[test]
     fn printed_signs_are_tokens_with_exact_spans() {
-        assert_eq!(texts("2πr²−x¹⁰·√y⁻³"), ["2", "π", "r", "²", "−", "x", "¹⁰", "·", "√", "y", "⁻³", ""]);
+        assert_eq!(
+            texts("2πr²−x¹⁰·√y⁻³"),
+            ["2", "π", "r", "²", "−", "x", "¹⁰", "·", "√", "y", "⁻³", ""]
+        );
         assert_eq!((power("¹⁰"), power("⁻³"), power("⁺²")), ("10".into(), "-3".into(), "2".into()));
         assert_eq!(["θ", "ϕ", "φ", "ρ", "x1"].map(name), ["theta", "phi", "phi", "rho", "x1"]);
         assert_eq!(texts("x**2<=1≥0"), ["x", "**", "2", "<=", "1", "≥", "0", ""]);

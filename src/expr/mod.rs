@@ -31,13 +31,15 @@ use crate::math::{Binary, Constant, Unary};
 pub struct Expr {
     graph: Graph,
     root: Id,
+    /// What is at most 0 where the formula counts, if it does not count everywhere.
+    region: Option<Id>,
 }
 
 impl Expr {
     /// A formula made by hand: the node `root` of a graph.
     #[must_use]
     pub fn new(graph: Graph, root: Id) -> Self {
-        Self { graph, root }
+        Self { graph, root, region: None }
     }
 
     /// Finds what the names of a formula mean. A definition hides what its name means otherwise.
@@ -79,7 +81,7 @@ impl Expr {
             let term = g.powi(support, 4);
             sum = g.add(sum, term);
         }
-        Self { graph, root: sum }
+        Self::new(graph, sum)
     }
 
     /// The negated formula: inside and outside change places.
@@ -89,9 +91,26 @@ impl Expr {
         self
     }
 
+    /// The part of the surface where `by` is at most 0; where that cuts it, it stays open.
+    #[must_use]
+    pub fn clipped(mut self, by: &Self) -> Self {
+        let by = self.graph.import(&by.graph, by.root);
+        let region = self.region.map_or(by, |region| self.graph.binary(Binary::Max, region, by));
+        self.region = Some(region);
+        self
+    }
+
+    /// The solid inside both this formula and `by`: where that cuts the surface, it is capped.
+    #[must_use]
+    pub fn intersected(mut self, by: &Self) -> Self {
+        let by = self.graph.import(&by.graph, by.root);
+        self.root = self.graph.binary(Binary::Max, self.root, by);
+        self
+    }
+
     /// The program, ready to run.
     #[must_use]
     pub fn tape(&self) -> Tape {
-        Tape::new(self.graph.nodes(), self.root)
+        Tape::new(self.graph.nodes(), self.root, self.region)
     }
 }

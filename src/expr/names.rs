@@ -4,8 +4,7 @@ use super::graph::{Graph, Id};
 use crate::math::{Binary, Constant, Unary};
 
 /// All of them. The coordinates come first.
-pub(super) const NAMES: [&str; 10] =
-    ["x", "y", "z", "r", "theta", "phi", "rho", "pi", "tau", "e"];
+pub(super) const NAMES: [&str; 10] = ["x", "y", "z", "r", "theta", "phi", "rho", "pi", "tau", "e"];
 
 const N_COORDINATES: usize = 7;
 

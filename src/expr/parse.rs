@@ -162,7 +162,10 @@ impl Parser<'_> {
 
     /// Reads the power between the name of a function and its bracket: sin²(x) and sin^2(x) are
     /// (sin(x))².
-    fn power_of_function(&mut self, name: &Range<usize>) -> Result<Option<Range<usize>>, Diagnostic> {
+    fn power_of_function(
+        &mut self,
+        name: &Range<usize>,
+    ) -> Result<Option<Range<usize>>, Diagnostic> {
         let name = &self.text[name.clone()];
         let kind = |n: usize| self.tokens.get(self.at + n).map(|token| token.kind);
         let n_tokens = match (kind(0), kind(1), kind(2)) {

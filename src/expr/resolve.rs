@@ -238,9 +238,6 @@ impl Resolver<'_> {
             let span = span.clone();
             let diagnostic = match function {
                 None => explain::unknown_function(name, span, &self.definitions.names()),
-                Some(function) if !function.is_available() => {
-                    explain::not_available(function, span)
-                }
                 Some(function) => explain::wrong_count(function, span, arguments.len()),
             };
             self.complain(text, diagnostic);
@@ -272,3 +269,6 @@ fn binary(op: BinaryOp, a: Id, b: Id, graph: &mut Graph) -> Id {
     }
 }
 
+#[cfg(test)]
+#[path = "resolve_tests.rs"]
+mod tests;
