@@ -323,53 +323,71 @@ impl Graph {
             let odd = n < 0 && wave == Wave::Sin;
             return if odd { self.unary(Unary::Neg, harmonic) } else { harmonic };
         }
-        let lifted = self.lift_angles(a, 0).unwrap_or(a);
+        let lifted = self.lift_angles(a, 0, &mut FxHashMap::default()).unwrap_or(a);
         self.unary(Unary::Wave(wave), lifted)
     }
 
+    /// tan a; of a multiple of an angle, as a quotient of harmonics.
+    pub fn tan(&mut self, a: Id) -> Id {
+        if self.angle_multiple(a).is_some() {
+            let (sin, cos) = (self.wave(Wave::Sin, a), self.wave(Wave::Cos, a));
+            return self.div(sin, cos);
+        }
+        let lifted = self.lift_angles(a, 0, &mut FxHashMap::default()).unwrap_or(a);
+        self.unary(Unary::Tan, lifted)
+    }
+
     /// Recognises n times the angle of (x, y): (n, y, x), with n not 0.
-    fn angle_multiple(&self, a: Id) -> Option<(i32, Id, Id)> {
-        match self.node(a) {
-            Node::Binary(Binary::Atan2 { .. }, y, x) => Some((1, y, x)),
-            Node::Unary(Unary::Neg, b) => self.angle_multiple(b).map(|(n, y, x)| (-n, y, x)),
-            Node::Binary(Binary::Mul, b, c) => {
-                let factor = self.node(c).constant()?.as_integer()?;
-                let (n, y, x) = self.angle_multiple(b)?;
-                let product = n.checked_mul(factor)?;
-                (product.unsigned_abs() <= MAX_HARMONIC).then_some((product, y, x))
+    fn angle_multiple(&self, mut a: Id) -> Option<(i32, Id, Id)> {
+        let mut n = 1_i32;
+        loop {
+            match self.node(a) {
+                Node::Binary(Binary::Atan2 { .. }, y, x) => return Some((n, y, x)),
+                Node::Unary(Unary::Neg, b) => (n, a) = (-n, b),
+                Node::Binary(Binary::Mul, b, c) => {
+                    let factor = self.node(c).constant()?.as_integer()?;
+                    let product = n.checked_mul(factor)?;
+                    let is_small = (1..=MAX_HARMONIC).contains(&product.unsigned_abs());
+                    (n, a) = is_small.then_some((product, b))?;
+                }
+                _ => return None,
             }
-            _ => None,
         }
     }
 
     /// The same sum with its angles lifted where they occur as whole multiples; elsewhere they keep
-    /// their cut. Nothing if the sum is nested too deep to look through.
-    fn lift_angles(&mut self, a: Id, depth: u32) -> Option<Id> {
-        if depth > MAX_LIFT_DEPTH {
+    /// their cut. Nothing if the sum is nested too deep to look through, or has too many terms.
+    /// `done` holds what was lifted so far.
+    fn lift_angles(&mut self, a: Id, depth: u32, done: &mut FxHashMap<Id, Id>) -> Option<Id> {
+        if let Some(&lifted) = done.get(&a) {
+            return Some(lifted);
+        }
+        if depth > MAX_LIFT_DEPTH || done.len() > MAX_LIFTED {
             return None;
         }
-        match self.node(a) {
+        let lifted = match self.node(a) {
             Node::Binary(Binary::Atan2 { .. }, y, x) => {
-                Some(self.binary(Binary::Atan2 { lifted: true }, y, x))
+                self.binary(Binary::Atan2 { lifted: true }, y, x)
             }
             Node::Unary(Unary::Neg, b) => {
-                let b = self.lift_angles(b, depth + 1)?;
-                Some(self.unary(Unary::Neg, b))
+                let b = self.lift_angles(b, depth + 1, done)?;
+                self.unary(Unary::Neg, b)
             }
             Node::Binary(op @ (Binary::Add | Binary::Sub), b, c) => {
-                let b = self.lift_angles(b, depth + 1)?;
-                let c = self.lift_angles(c, depth + 1)?;
-                Some(self.binary(op, b, c))
+                let b = self.lift_angles(b, depth + 1, done)?;
+                let c = self.lift_angles(c, depth + 1, done)?;
+                self.binary(op, b, c)
             }
-            Node::Binary(Binary::Mul, b, c) => {
-                if self.node(c).constant().and_then(Constant::as_integer).is_none() {
-                    return Some(a);
-                }
-                let b = self.lift_angles(b, depth + 1)?;
-                Some(self.mul(b, c))
+            Node::Binary(Binary::Mul, b, c)
+                if self.node(c).constant().and_then(Constant::as_integer).is_some() =>
+            {
+                let b = self.lift_angles(b, depth + 1, done)?;
+                self.mul(b, c)
             }
-            _ => Some(a),
-        }
+            _ => a,
+        };
+        done.insert(a, lifted);
+        Some(lifted)
     }
 }
 
@@ -378,6 +396,9 @@ const MAX_HARMONIC: u32 = 1024;
 
 /// Sums nested deeper than this keep the cuts of their angles.
 const MAX_LIFT_DEPTH: u32 = 64;
+
+/// Sums of more parts than this keep the cuts of their angles.
+const MAX_LIFTED: usize = 1024;
 
 /// Removes what the roots do not need; returns where the roots are then.
 #[must_use]
@@ -470,6 +491,20 @@ mod tests {
         assert!(
             g.nodes().iter().any(|n| matches!(n, Node::Binary(Binary::Atan2 { lifted: true }, ..)))
         );
+    }
+
+    /// 2¹⁰⁰ θ as a sum whose halves are shared, and θ·2·2·…: neither takes long nor much stack.
+    #[test]
+    fn large_multiples_of_angles_are_given_up() {
+        let mut g = Graph::default();
+        let (x, y, two) = (g.variable(0), g.variable(1), exact(&mut g, 2.0));
+        let theta = g.binary(Binary::Atan2 { lifted: false }, y, x);
+        let sum = (0..100).fold(theta, |sum, _| g.add(sum, sum));
+        let product = (0..10_000).fold(theta, |product, _| g.mul(product, two));
+        for a in [sum, product] {
+            let wave = g.wave(Wave::Sin, a);
+            assert!(matches!(g.node(wave), Node::Unary(Unary::Wave(Wave::Sin), b) if b == a));
+        }
     }
 
     #[test]

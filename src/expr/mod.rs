@@ -1,23 +1,30 @@
 //! From the text of a formula to a program: [`parse()`] gives an [`Ast`], [`Expr::resolve`] finds what
-//! its names mean and shares equal parts in a graph, and [`Expr::tape`] schedules the graph.
+//! its names mean, those that the scene defines included, and shares equal parts in a graph, and
+//! [`Expr::tape`] schedules the graph.
 
 mod ast;
+mod definition;
+mod explain;
+mod functions;
 mod graph;
 mod lex;
+mod literal;
+mod names;
 mod parse;
 mod resolve;
+mod symbols;
 mod syntax;
 mod tape;
+mod values;
 
-pub use ast::{Ast, BinaryOp, Node, NodeId};
+pub use ast::{Ast, BinaryOp, Comparison, Node, NodeId};
+pub use definition::{Definition, DefinitionKind, Mistake};
 pub use graph::{Graph, Id};
 pub use parse::parse;
+pub use resolve::{Relation, Resolved};
 pub use tape::{Choice, Instruction, Tape};
 
-use crate::{
-    diagnostic::Diagnostic,
-    math::{Binary, Constant, Unary},
-};
+use crate::math::{Binary, Constant, Unary};
 
 /// A formula with its names resolved and common parts shared.
 #[derive(Clone, Debug)]
@@ -35,14 +42,14 @@ impl Expr {
         Self { graph, root, region: None }
     }
 
-    /// Resolves the names of a formula. An equation becomes left minus right.
+    /// Finds what the names of a formula mean. A definition hides what its name means otherwise.
     ///
     /// # Errors
-    /// Unknown names, unknown functions and wrong numbers of arguments, with spans in the formula.
-    pub fn resolve(ast: &Ast) -> Result<Self, Vec<Diagnostic>> {
-        let mut graph = Graph::default();
-        let root = resolve::lower(ast, &mut graph)?;
-        Ok(Self::new(graph, root))
+    /// Names that mean nothing, calls that do not fit, circular definitions, parameters that are
+    /// not constant. All definitions are checked, used or not, so that a mistake in one is found
+    /// with every formula. The list is empty only if the formula needs a definition whose tree is.
+    pub fn resolve(ast: &Ast, definitions: &[Definition]) -> Result<Resolved, Vec<Mistake>> {
+        resolve::resolve(ast, definitions)
     }
 
     /// The blend of spheres of Stolte & Kaufman (1998, section 2), positive inside: the sum of

@@ -70,8 +70,12 @@ impl Lower<'_> {
     }
 
     fn formula(&mut self, text: &Spanned<String>) -> Option<Expr> {
-        match parse(text.get_ref()).and_then(|ast| Expr::resolve(&ast)) {
-            Ok(expr) => Some(expr),
+        let resolved = parse(text.get_ref()).and_then(|ast| {
+            Expr::resolve(&ast, &[])
+                .map_err(|mistakes| mistakes.into_iter().map(|m| m.diagnostic).collect())
+        });
+        match resolved {
+            Ok(resolved) => Some(resolved.expr),
             Err(errors) => {
                 let errors = errors.into_iter().map(|error| in_file(error, text, self.source));
                 self.errors.extend(errors);

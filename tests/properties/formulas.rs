@@ -63,7 +63,7 @@ pub(crate) fn formula() -> impl Strategy<Value = String> {
 }
 
 pub(crate) fn expr(text: &str) -> Expr {
-    Expr::resolve(&parse(text).unwrap()).unwrap()
+    Expr::resolve(&parse(text).unwrap(), &[]).unwrap().expr
 }
 
 /// A box with f32 bounds.
