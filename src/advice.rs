@@ -1,0 +1,117 @@
+//! What to tell about a surface that is not where it was looked for, with numbers and a way out.
+
+use glam::DVec3;
+
+use crate::{
+    expr::Expr,
+    math::{Aabb, Lattice, SimdLevel},
+    octree::MortonOctree,
+    voxelize::{Extent, FieldRange, find_extent, sample_field},
+};
+
+/// Where surfaces are looked for if neither the scene nor their extent says.
+pub const FALLBACK_DOMAIN: Aabb = Aabb { min: DVec3::splat(-5.0), max: DVec3::splat(5.0) };
+
+/// A surface that fills less than this part of the domain's longest edge deserves a smaller one.
+const SMALL_PART: f64 = 0.1;
+
+/// The box that holds all of `surfaces`, for a scene that gives none, and a note that says which.
+#[must_use]
+pub fn choose_domain<'a>(
+    surfaces: impl Iterator<Item = (&'a str, &'a Expr)>,
+    simd: SimdLevel,
+) -> (Aabb, String) {
+    let mut whole = Extent::Nothing;
+    let mut unbounded = Vec::new();
+    for (name, expr) in surfaces {
+        let extent = find_extent(expr, simd);
+        if extent == Extent::Unbounded {
+            unbounded.push(format!("`{name}`"));
+        }
+        whole = whole.union(extent);
+    }
+    match whole {
+        Extent::Within(bounds) => {
+            (bounds, format!("all of it lies in {}, which is searched", toml(bounds)))
+        }
+        Extent::Nothing => (FALLBACK_DOMAIN, format!("{} is searched", toml(FALLBACK_DOMAIN))),
+        Extent::Unbounded => {
+            let names = unbounded.join(" and ");
+            let note = format!(
+                "no bound was found for {names} within 2^20 of the origin; {} is searched: give \
+                 another `min` and `max` in [domain], or a `clip`",
+                toml(FALLBACK_DOMAIN)
+            );
+            (FALLBACK_DOMAIN, note)
+        }
+    }
+}
+
+/// Why a surface has no voxel in `domain`.
+#[must_use]
+pub fn why_empty(name: &str, expr: &Expr, domain: Aabb, simd: SimdLevel) -> String {
+    if let Some(value) = expr.constant() {
+        return format!(
+            "`{name}` has no points: F is {value} everywhere, whatever x, y and z are"
+        );
+    }
+    let range = sample_field(expr, domain, simd);
+    let found = match find_extent(expr, simd) {
+        Extent::Nothing => "it has no points within 2^20 of the origin".to_owned(),
+        Extent::Within(bounds) => format!("if it has points, they lie in {}", toml(bounds)),
+        Extent::Unbounded => nearest(&range),
+    };
+    format!("`{name}` does not meet the domain: {range}; {found}")
+}
+
+/// Where F comes nearest to zero on the sampled points.
+fn nearest(range: &FieldRange) -> String {
+    let ends = [range.least, range.most].into_iter().flatten();
+    let by_size = |a: &(f64, DVec3), b: &(f64, DVec3)| a.0.abs().total_cmp(&b.0.abs());
+    match ends.min_by(by_size) {
+        Some((_, p)) => {
+            format!("it comes nearest to 0 at ({:.4}, {:.4}, {:.4}): look there", p.x, p.y, p.z)
+        }
+        None => "look where it is defined".to_owned(),
+    }
+}
+
+/// What the user may want to know about a surface that was found: that the domain cuts it though
+/// it could hold all of it, or that the domain is far too large.
+#[must_use]
+pub fn about(
+    name: &str,
+    expr: &Expr,
+    octree: &MortonOctree,
+    lattice: &Lattice,
+    simd: SimdLevel,
+) -> Option<String> {
+    let (least, most) = octree.bounds()?;
+    let n = lattice.n_voxels();
+    let is_cut = (0..3).any(|axis| least[axis] == 0 || most[axis] + 1 == n[axis]);
+    let edge = (0..3).map(|axis| most[axis] + 1 - least[axis]).max().unwrap_or(0);
+    let longest = n.into_iter().max().unwrap_or(1);
+    let is_small = f64::from(edge) < SMALL_PART * f64::from(longest);
+    if !is_cut && !is_small {
+        return None;
+    }
+    let Extent::Within(bounds) = find_extent(expr, simd) else { return None };
+    let domain = lattice.bounds();
+    let leaves = (bounds.min.cmplt(domain.min) | bounds.max.cmpgt(domain.max)).any();
+    if is_cut && leaves {
+        Some(format!("the domain cuts `{name}`: all of it lies in {}", toml(bounds)))
+    } else if is_small {
+        Some(format!(
+            "`{name}` fills {edge} of {longest} voxels: all of it lies in {}",
+            toml(bounds)
+        ))
+    } else {
+        None
+    }
+}
+
+/// A box as it is written in a scene.
+fn toml(bounds: Aabb) -> String {
+    let list = |v: DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
+    format!("min = {}, max = {}", list(bounds.min), list(bounds.max))
+}
