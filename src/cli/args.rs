@@ -73,7 +73,7 @@ struct Input {
     set: Vec<String>,
 
     /// Show no progress, warnings and summary; only mistakes and failures
-    #[arg(long, short)]
+    #[arg(long, short, display_order = 100)]
     quiet: bool,
 }
 

@@ -56,7 +56,7 @@ impl Named {
         let entry = |(key, value): (Spanned<Cow<'_, str>>, Spanned<DeValue<'_>>)| {
             let formula = formula(&value, source).unwrap_or_else(|error| {
                 errors.push(error);
-                Formula::of_number("1".to_owned(), value.span())
+                Formula::of_number("1", value.span(), source)
             });
             Entry { span: key.span(), name: key.into_inner().into_owned(), formula }
         };
@@ -70,7 +70,7 @@ impl Named {
 fn formula(value: &Spanned<DeValue<'_>>, source: &str) -> Result<Formula, Diagnostic> {
     let span = value.span();
     let text = match value.get_ref() {
-        DeValue::String(text) => return Ok(Formula::in_file(text, span, source)),
+        DeValue::String(text) => return Ok(Formula::of_string(text, span, source)),
         DeValue::Float(number) if number.as_str().contains(['n', 'N']) => {
             return Err(Diagnostic::new(span, "expected a finite number"));
         }
@@ -86,7 +86,7 @@ fn formula(value: &Spanned<DeValue<'_>>, source: &str) -> Result<Formula, Diagno
                 .label(format!("this is {}", kind_of_value(other))));
         }
     };
-    Ok(Formula::of_number(text, span))
+    Ok(Formula::of_number(&text, span, source))
 }
 
 /// A setting of the command line, taken apart.
@@ -113,8 +113,8 @@ impl Lower<'_> {
                 }
                 None => (entry.formula.clone(), ast),
             };
-            // A formula that could not be read stands as nothing in particular.
-            let ast = ast.unwrap_or_else(one);
+            // An empty tree stands for a formula that could not be read.
+            let ast = ast.unwrap_or_else(|| Ast { nodes: Vec::new() });
             self.definitions.push(Definition { name, kind, ast });
             self.formulas.push(formula);
         }
@@ -226,10 +226,6 @@ fn identifier(written: &str) -> Option<String> {
         [(Node::Name(name), _)] => Some(name.clone()),
         _ => None,
     }
-}
-
-fn one() -> Ast {
-    Ast { nodes: vec![(Node::Number { text: "1".to_owned() }, 0..0)] }
 }
 
 #[cfg(test)]

@@ -72,7 +72,11 @@ pub(super) fn refused(error: &toml::de::Error, at: Range<usize>, place: &str) ->
             .label(format!("no `{key}` in here"));
     }
     if let Some((found, expected)) = split(text, "invalid type: ", ", expected ") {
-        return with_help(at, &format!("expected {expected}"), Some(found));
+        let diagnostic = with_help(at, &format!("expected {expected}"), Some(found));
+        return match expected.ends_with("number") && is_text_with_digits(found) {
+            true => diagnostic.help("write numbers without quotes and without a unit, as in 0.5"),
+            false => diagnostic,
+        };
     }
     match text {
         "wanted string or table" => Diagnostic::new(at, "expected a word in quotes"),
@@ -104,6 +108,12 @@ fn with_help(at: Range<usize>, text: &str, found: Option<&str>) -> Diagnostic {
         Some(help) => diagnostic.help(help),
         None => diagnostic,
     }
+}
+
+/// Whether serde found text that begins like a number: `string "3mm"`.
+fn is_text_with_digits(found: &str) -> bool {
+    let text = found.strip_prefix("string \"").unwrap_or_default();
+    text.trim_start_matches(['+', '-', '.']).starts_with(|c: char| c.is_ascii_digit())
 }
 
 /// The kind of value that serde's description stands for.

@@ -21,15 +21,16 @@ pub(super) struct Formula {
 
 impl Formula {
     /// A formula that the file `source` holds as a string at `span`, quotes included.
-    pub(super) fn in_file(text: &str, span: Range<usize>, source: &str) -> Self {
+    pub(super) fn of_string(text: &str, span: Range<usize>, source: &str) -> Self {
         let start = source.get(span.clone()).and_then(|written| start_of_literal(written, text));
         let start = start.map(|offset| span.start + offset);
         Self { text: text.to_owned(), origin: Origin::File, span, start }
     }
 
-    /// The formula `text` that stands for a number at `span` of the file.
-    pub(super) fn of_number(text: String, span: Range<usize>) -> Self {
-        Self { text, origin: Origin::File, span, start: None }
+    /// The formula `text` that stands for the number at `span` of the file `source`.
+    pub(super) fn of_number(text: &str, span: Range<usize>, source: &str) -> Self {
+        let start = (source.get(span.clone()) == Some(text)).then_some(span.start);
+        Self { text: text.to_owned(), origin: Origin::File, span, start }
     }
 
     /// What stands at `span` of the setting number `index`.
@@ -61,7 +62,7 @@ impl Formula {
 impl Lower<'_> {
     /// The formula in a string of the file.
     pub(super) fn formula(&self, text: &Spanned<String>) -> Formula {
-        Formula::in_file(text.get_ref(), text.span(), self.source)
+        Formula::of_string(text.get_ref(), text.span(), self.source)
     }
 
     /// Parses a formula, or notes what is wrong with it.
