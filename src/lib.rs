@@ -25,9 +25,7 @@
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let ast = expr::parse("x^2 + y^2 + z^2 = 1").map_err(|mistakes| mistakes[0].message.clone())?;
-//! let sphere = expr::Expr::resolve(&ast, &[])
-//!     .map_err(|mistakes| mistakes[0].diagnostic.message.clone())?
-//!     .expr;
+//! let sphere = expr::Expr::resolve(&ast, &[]).map_err(|m| m[0].diagnostic.message.clone())?.expr;
 //!
 //! let domain = Aabb { min: [-2.0; 3].into(), max: [2.0; 3].into() };
 //! let lattice = Lattice::new(domain, 64);

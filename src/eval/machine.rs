@@ -21,15 +21,16 @@ impl<N: Number, const G: usize> Default for Machine<N, G> {
 }
 
 impl<N: Number, const G: usize> Machine<N, G> {
-    /// Evaluates `tape` where the coordinates are `inputs`. With `TRACE`, the outcome of every
+    /// Evaluates `tape` where the coordinates are `inputs`. Where `trace`, the outcome of every
     /// choice is kept for [`Machine::choices`].
     #[inline(always)]
-    pub fn run<const TRACE: bool>(
+    pub fn run(
         &mut self,
         token: Token<N>,
         tape: &Tape,
         inputs: &[Slot<N, G>; 3],
-    ) -> (Slot<N, G>, [NotesOf<N>; G]) {
+        trace: bool,
+    ) -> [NotesOf<N>; G] {
         if self.slots.len() < tape.n_slots() {
             let zero = N::constant(token, &Constant::exact(0.0));
             self.slots.resize(tape.n_slots(), [zero; G]);
@@ -44,7 +45,7 @@ impl<N: Number, const G: usize> Machine<N, G> {
                     slots[out as usize] = [N::constant(token, c); G];
                 }
                 Instruction::Unary(op, a, out) => {
-                    if TRACE && op == Unary::Abs {
+                    if trace && op == Unary::Abs {
                         let zero = [N::constant(token, &Constant::exact(0.0)); G];
                         self.choices.push(order(&zero, &slots[a as usize]));
                     }
@@ -52,13 +53,13 @@ impl<N: Number, const G: usize> Machine<N, G> {
                 }
                 Instruction::Binary(op, a, b, out) => {
                     let (a, b) = (a as usize, b as usize);
-                    if TRACE && let Some(choice) = decide(op, &slots[a], &slots[b]) {
+                    if trace && let Some(choice) = decide(op, &slots[a], &slots[b]) {
                         self.choices.push(choice);
                     }
                     op.apply(slots, &mut notes, (a, b, out as usize));
                 }
                 Instruction::BinaryConstant(op, a, ref c, out) => {
-                    if TRACE
+                    if trace
                         && let Some(choice) =
                             decide(op, &slots[a as usize], &[N::constant(token, c); G])
                     {
@@ -68,7 +69,13 @@ impl<N: Number, const G: usize> Machine<N, G> {
                 }
             }
         }
-        (slots[tape.result()], notes)
+        notes
+    }
+
+    /// A slot of the last run, such as [`Tape::result`].
+    #[inline(always)]
+    pub fn slot(&self, index: usize) -> &Slot<N, G> {
+        &self.slots[index]
     }
 
     /// The outcomes of the last traced run, one entry for each choice of the tape: the lanes for

@@ -39,7 +39,8 @@ impl<S: Simd> PointEvaluator<S> {
                         inputs[axis][g] = Point(f64x8::load(*simd, &points[axis][8 * g..]));
                     }
                 }
-                let (values, _) = machine.run::<false>(*simd, tape, &inputs);
+                machine.run(*simd, tape, &inputs, false);
+                let values = machine.slot(tape.result());
                 let mut out = [0.0; POINT_BATCH];
                 for (g, value) in values.iter().enumerate() {
                     value.0.store(&mut out[8 * g..]);
@@ -76,7 +77,8 @@ impl<S: Simd> GradientEvaluator<S> {
                         inputs[axis][g] = Dual::variable(value, axis);
                     }
                 }
-                let (values, _) = machine.run::<false>(*simd, tape, &inputs);
+                machine.run(*simd, tape, &inputs, false);
+                let values = machine.slot(tape.result());
                 let mut out = [[0.0; POINT_BATCH]; 3];
                 for (axis, partials) in out.iter_mut().enumerate() {
                     for (g, value) in values.iter().enumerate() {

@@ -7,21 +7,29 @@ pub type NodeId = u32;
 
 /// A formula as a flat tree. Children stand before their parents and the last node is the root,
 /// so that every walk is a loop and no formula can overflow the stack.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ast {
     /// Nodes with the bytes of the formula that each came from.
     pub nodes: Vec<(Node, Range<usize>)>,
 }
 
+impl Ast {
+    /// The bytes of the whole formula; brackets around it may be missing.
+    #[must_use]
+    pub fn span(&self) -> Range<usize> {
+        self.nodes.last().map_or(0..0, |(_, span)| span.clone())
+    }
+}
+
 /// One node of an [`Ast`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Node {
-    /// A literal; `text` is the decimal number as it was written.
+    /// A literal; `text` is the decimal number.
     Number {
         /// Such as `0.25` or `1e-3`.
         text: String,
     },
-    /// A coordinate, constant or parameter.
+    /// A coordinate, a constant or a definition; Greek letters are spelt out.
     Name(String),
     /// `-a`
     Neg(NodeId),
@@ -33,6 +41,17 @@ pub enum Node {
     Call(String, Vec<NodeId>),
     /// `a = b`; only the root can be one.
     Equation(NodeId, NodeId),
+    /// `a <= b` or `a >= b`; only the root can be one.
+    Comparison(Comparison, NodeId, NodeId),
+}
+
+/// A comparison, which bounds a solid; its border counts as inside whether `=` is written or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Comparison {
+    /// `<=`, `<`
+    AtMost,
+    /// `>=`, `>`
+    AtLeast,
 }
 
 /// An infix operator.

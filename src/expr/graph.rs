@@ -167,7 +167,8 @@ fn exact_result(node: Node, operands: &[Constant; 2]) -> Option<f64> {
         Node::Unary(Unary::Square, _) => without_remainder(a * a, libm::fma(a, a, -(a * a))),
         Node::Unary(Unary::Recip, _) => without_remainder(1.0 / a, libm::fma(1.0 / a, a, -1.0)),
         Node::Unary(Unary::Sqrt, _) => {
-            without_remainder(a.sqrt(), libm::fma(a.sqrt(), a.sqrt(), -a))
+            let remainder = libm::fma(a.sqrt(), a.sqrt(), -a);
+            without_remainder(a.sqrt(), remainder).filter(|_| a > 1e-200)
         }
         Node::Unary(Unary::Powi(n), _) => {
             let v = elementary::powi(a, n);
@@ -218,6 +219,17 @@ impl Graph {
         }
     }
 
+    /// Adds what `root` of another graph needs, and returns what `root` is here.
+    pub fn import(&mut self, other: &Self, root: Id) -> Id {
+        let (nodes, roots) = prune(&other.nodes, &[root]);
+        let mut moved: Vec<Id> = Vec::with_capacity(nodes.len());
+        for node in nodes {
+            let node = node.map_operands(|operand| moved[operand as usize]);
+            moved.push(self.add_node(node));
+        }
+        moved[roots[0] as usize]
+    }
+
     /// The coordinate x, y or z (0, 1 or 2).
     pub fn variable(&mut self, axis: u8) -> Id {
         self.add_node(Node::Variable(axis))
@@ -262,7 +274,9 @@ impl Graph {
         let exact = |id| self.node(id).constant().and_then(Constant::as_exact);
         if let (Some(p), Some(q)) = (exact(a), exact(b)) {
             let quotient = p / q;
-            if quotient.is_finite() && libm::fma(quotient, q, -p) == 0.0 {
+            // Subnormal numbers could hide a remainder.
+            let is_normal = p == 0.0 || (p.abs() > 1e-200 && quotient.abs() > 1e-200);
+            if quotient.is_finite() && is_normal && libm::fma(quotient, q, -p) == 0.0 {
                 return self.constant(Constant::exact(quotient));
             }
         }
@@ -282,7 +296,7 @@ impl Graph {
     }
 
     /// aᵇ. An integer exponent gives an exact power, defined for negative a too; any other one
-    /// means exp(b ln a).
+    /// means exp(b ln a), so that a positive power of 0 is 0.
     pub fn pow(&mut self, a: Id, b: Id) -> Id {
         let exponent = self.node(b).constant().copied();
         if let Some(n) = exponent.and_then(|c| c.as_integer()) {
@@ -309,53 +323,71 @@ impl Graph {
             let odd = n < 0 && wave == Wave::Sin;
             return if odd { self.unary(Unary::Neg, harmonic) } else { harmonic };
         }
-        let lifted = self.lift_angles(a, 0).unwrap_or(a);
+        let lifted = self.lift_angles(a, 0, &mut FxHashMap::default()).unwrap_or(a);
         self.unary(Unary::Wave(wave), lifted)
     }
 
+    /// tan a; of a multiple of an angle, as a quotient of harmonics.
+    pub fn tan(&mut self, a: Id) -> Id {
+        if self.angle_multiple(a).is_some() {
+            let (sin, cos) = (self.wave(Wave::Sin, a), self.wave(Wave::Cos, a));
+            return self.div(sin, cos);
+        }
+        let lifted = self.lift_angles(a, 0, &mut FxHashMap::default()).unwrap_or(a);
+        self.unary(Unary::Tan, lifted)
+    }
+
     /// Recognises n times the angle of (x, y): (n, y, x), with n not 0.
-    fn angle_multiple(&self, a: Id) -> Option<(i32, Id, Id)> {
-        match self.node(a) {
-            Node::Binary(Binary::Atan2 { .. }, y, x) => Some((1, y, x)),
-            Node::Unary(Unary::Neg, b) => self.angle_multiple(b).map(|(n, y, x)| (-n, y, x)),
-            Node::Binary(Binary::Mul, b, c) => {
-                let factor = self.node(c).constant()?.as_integer()?;
-                let (n, y, x) = self.angle_multiple(b)?;
-                let product = n.checked_mul(factor)?;
-                (product.unsigned_abs() <= MAX_HARMONIC).then_some((product, y, x))
+    fn angle_multiple(&self, mut a: Id) -> Option<(i32, Id, Id)> {
+        let mut n = 1_i32;
+        loop {
+            match self.node(a) {
+                Node::Binary(Binary::Atan2 { .. }, y, x) => return Some((n, y, x)),
+                Node::Unary(Unary::Neg, b) => (n, a) = (-n, b),
+                Node::Binary(Binary::Mul, b, c) => {
+                    let factor = self.node(c).constant()?.as_integer()?;
+                    let product = n.checked_mul(factor)?;
+                    let is_small = (1..=MAX_HARMONIC).contains(&product.unsigned_abs());
+                    (n, a) = is_small.then_some((product, b))?;
+                }
+                _ => return None,
             }
-            _ => None,
         }
     }
 
     /// The same sum with its angles lifted where they occur as whole multiples; elsewhere they keep
-    /// their cut. Nothing if the sum is nested too deep to look through.
-    fn lift_angles(&mut self, a: Id, depth: u32) -> Option<Id> {
-        if depth > MAX_LIFT_DEPTH {
+    /// their cut. Nothing if the sum is nested too deep to look through, or has too many terms.
+    /// `done` holds what was lifted so far.
+    fn lift_angles(&mut self, a: Id, depth: u32, done: &mut FxHashMap<Id, Id>) -> Option<Id> {
+        if let Some(&lifted) = done.get(&a) {
+            return Some(lifted);
+        }
+        if depth > MAX_LIFT_DEPTH || done.len() > MAX_LIFTED {
             return None;
         }
-        match self.node(a) {
+        let lifted = match self.node(a) {
             Node::Binary(Binary::Atan2 { .. }, y, x) => {
-                Some(self.binary(Binary::Atan2 { lifted: true }, y, x))
+                self.binary(Binary::Atan2 { lifted: true }, y, x)
             }
             Node::Unary(Unary::Neg, b) => {
-                let b = self.lift_angles(b, depth + 1)?;
-                Some(self.unary(Unary::Neg, b))
+                let b = self.lift_angles(b, depth + 1, done)?;
+                self.unary(Unary::Neg, b)
             }
             Node::Binary(op @ (Binary::Add | Binary::Sub), b, c) => {
-                let b = self.lift_angles(b, depth + 1)?;
-                let c = self.lift_angles(c, depth + 1)?;
-                Some(self.binary(op, b, c))
+                let b = self.lift_angles(b, depth + 1, done)?;
+                let c = self.lift_angles(c, depth + 1, done)?;
+                self.binary(op, b, c)
             }
-            Node::Binary(Binary::Mul, b, c) => {
-                if self.node(c).constant().and_then(Constant::as_integer).is_none() {
-                    return Some(a);
-                }
-                let b = self.lift_angles(b, depth + 1)?;
-                Some(self.mul(b, c))
+            Node::Binary(Binary::Mul, b, c)
+                if self.node(c).constant().and_then(Constant::as_integer).is_some() =>
+            {
+                let b = self.lift_angles(b, depth + 1, done)?;
+                self.mul(b, c)
             }
-            _ => Some(a),
-        }
+            _ => a,
+        };
+        done.insert(a, lifted);
+        Some(lifted)
     }
 }
 
@@ -365,12 +397,15 @@ const MAX_HARMONIC: u32 = 1024;
 /// Sums nested deeper than this keep the cuts of their angles.
 const MAX_LIFT_DEPTH: u32 = 64;
 
-/// Removes what `root` does not need; the root becomes the last node.
+/// Sums of more parts than this keep the cuts of their angles.
+const MAX_LIFTED: usize = 1024;
+
+/// Removes what the roots do not need; returns where the roots are then.
 #[must_use]
-pub(super) fn prune(nodes: &[Node], root: Id) -> Vec<Node> {
+pub(super) fn prune(nodes: &[Node], roots: &[Id]) -> (Vec<Node>, Vec<Id>) {
     let mut needed = vec![false; nodes.len()];
-    needed[root as usize] = true;
-    for id in (0..=root as usize).rev() {
+    roots.iter().for_each(|&root| needed[root as usize] = true);
+    for id in (0..nodes.len()).rev() {
         if needed[id] {
             nodes[id].operands().for_each(|operand| needed[operand as usize] = true);
         }
@@ -381,7 +416,7 @@ pub(super) fn prune(nodes: &[Node], root: Id) -> Vec<Node> {
         moved[id] = kept.len() as Id;
         kept.push(node.map_operands(|operand| moved[operand as usize]));
     }
-    kept
+    (kept, roots.iter().map(|&root| moved[root as usize]).collect())
 }
 
 #[cfg(test)]
@@ -445,6 +480,20 @@ mod tests {
         );
     }
 
+    /// 2¹⁰⁰ θ as a sum whose halves are shared, and θ·2·2·…: neither takes long nor much stack.
+    #[test]
+    fn large_multiples_of_angles_are_given_up() {
+        let mut g = Graph::default();
+        let (x, y, two) = (g.variable(0), g.variable(1), exact(&mut g, 2.0));
+        let theta = g.binary(Binary::Atan2 { lifted: false }, y, x);
+        let sum = (0..100).fold(theta, |sum, _| g.add(sum, sum));
+        let product = (0..10_000).fold(theta, |product, _| g.mul(product, two));
+        for a in [sum, product] {
+            let wave = g.wave(Wave::Sin, a);
+            assert!(matches!(g.node(wave), Node::Unary(Unary::Wave(Wave::Sin), b) if b == a));
+        }
+    }
+
     #[test]
     fn half_an_angle_keeps_its_cut() {
         let mut g = Graph::default();
@@ -466,7 +515,8 @@ mod tests {
         let (x, y) = (g.variable(0), g.variable(1));
         let sum = g.add(x, y);
         g.mul(x, y);
-        let nodes = prune(g.nodes(), sum);
+        let (nodes, roots) = prune(g.nodes(), &[sum]);
+        assert_eq!(roots, [2]);
         assert!(matches!(
             nodes[..],
             [Node::Variable(0), Node::Variable(1), Node::Binary(Binary::Add, 0, 1)]

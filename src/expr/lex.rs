@@ -4,13 +4,19 @@
 //! elsewhere shows all its foreign characters at once. It knows the usual ones by sight and says
 //! what to write instead.
 
-use std::ops::Range;
+use std::{borrow::Cow, ops::Range};
 
-use super::BinaryOp;
+use super::{
+    ast::{BinaryOp, Comparison},
+    symbols,
+};
 use crate::diagnostic::Diagnostic;
 
 /// The longest formula, in tokens: no hand writes more, and it bounds everything that follows.
 pub(super) const MAX_TOKENS: usize = 100_000;
+
+/// The longest name, in bytes.
+pub(super) const MAX_NAME: usize = 64;
 
 /// After so many foreign characters the text is not a formula.
 const MAX_ERRORS: usize = 8;
@@ -19,9 +25,15 @@ const MAX_ERRORS: usize = 8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Number,
+    /// A word, or one Greek letter: [`name`] tells which name it is.
     Name,
     Op(BinaryOp),
+    /// A raised integer: [`power`] tells which.
+    Power,
+    /// A prefix root sign.
+    Root,
     Equals,
+    Comparison(Comparison),
     Open,
     Close,
     Comma,
@@ -35,6 +47,21 @@ pub(super) enum Kind {
 pub(super) struct Token {
     pub(super) kind: Kind,
     pub(super) span: Range<usize>,
+}
+
+/// The name that a token of [`Kind::Name`] means.
+pub(super) fn name(written: &str) -> &str {
+    written.chars().next().and_then(symbols::greek).unwrap_or(written)
+}
+
+/// Whether `written` is one name and nothing else.
+pub(super) fn is_name(written: &str) -> bool {
+    matches!(token(written), Ok((Kind::Name, len)) if len == written.len())
+}
+
+/// The integer that a token of [`Kind::Power`] means, in plain digits with at most a minus.
+pub(super) fn power(written: &str) -> String {
+    written.chars().filter_map(symbols::superscript).filter(|&c| c != '+').collect()
 }
 
 /// Splits `text` into tokens; the last one is [`Kind::End`].
@@ -71,78 +98,95 @@ fn too_long(span: Range<usize>) -> Diagnostic {
         .label("everything from here on is too much")
 }
 
-/// The token at the start of `rest`, which is not empty, and its length in bytes.
+/// The token at the start of `rest` and its length in bytes.
 fn token(rest: &str) -> Result<(Kind, usize), Diagnostic> {
-    if let Some((written, help)) = FOREIGN.iter().find(|(written, _)| rest.starts_with(written)) {
-        return Err(unexpected(written).help(*help));
-    }
     let first = rest.chars().next().unwrap_or_default();
-    let kind = match first {
+    match first {
         '0'..='9' | '.' => return number(rest),
-        'a'..='z' | 'A'..='Z' | '_' => {
-            return Ok((Kind::Name, run(rest, |c| c == '_' || c.is_ascii_alphanumeric())));
+        'a'..='z' | 'A'..='Z' | '_' => return word(rest),
+        _ if symbols::greek(first).is_some() => return Ok((Kind::Name, first.len_utf8())),
+        _ if symbols::superscript(first).is_some() => return raised(rest),
+        _ => {}
+    }
+    if let Some((kind, sign)) = SIGNS.iter().find(|(_, sign)| rest.starts_with(sign)) {
+        // `==` is a sign of its own, and a foreign one.
+        if !rest.starts_with("==") {
+            return Ok((*kind, sign.len()));
         }
-        '+' => Kind::Op(BinaryOp::Add),
-        '-' => Kind::Op(BinaryOp::Sub),
-        '*' => Kind::Op(BinaryOp::Mul),
-        '/' => Kind::Op(BinaryOp::Div),
-        '^' => Kind::Op(BinaryOp::Pow),
-        '=' => Kind::Equals,
-        '(' => Kind::Open,
-        ')' => Kind::Close,
-        ',' => Kind::Comma,
-        '|' => Kind::Bar,
-        _ => {
-            let len = run(rest, char::is_alphabetic).max(first.len_utf8());
-            return Err(unexpected(&rest[..len]));
-        }
-    };
-    Ok((kind, 1))
+    }
+    if let Some(kind) = symbols::sign(first) {
+        return Ok((kind, first.len_utf8()));
+    }
+    if let Some((sign, help)) = symbols::FOREIGN.iter().find(|(sign, _)| rest.starts_with(sign)) {
+        return Err(unexpected(sign).help(*help));
+    }
+    let len = run(rest, char::is_alphabetic).max(first.len_utf8()).min(rest.len());
+    Err(unexpected(&rest[..len]))
 }
 
-/// What people write elsewhere, longest first, and what to write here.
-const FOREIGN: [(&str, &str); 33] = [
-    ("**", "write `^` for a power"),
-    ("<=", NO_COMPARISON),
-    (">=", NO_COMPARISON),
-    ("==", "write `=` once; it makes an equation"),
-    ("!=", NO_COMPARISON),
-    ("<", NO_COMPARISON),
-    (">", NO_COMPARISON),
-    ("≤", NO_COMPARISON),
-    ("≥", NO_COMPARISON),
-    ("[", "write `(` and `)`"),
-    ("]", "write `(` and `)`"),
-    ("{", "write `(` and `)`"),
-    ("}", "write `(` and `)`"),
-    ("·", "write `*` for a product"),
-    ("×", "write `*` for a product"),
-    ("⋅", "write `*` for a product"),
-    ("÷", "write `/` for a quotient"),
-    ("−", "write the plain minus of the keyboard, `-`"),
-    ("–", "write the plain minus of the keyboard, `-`"),
-    ("²", "write `^2`"),
-    ("³", "write `^3`"),
-    ("⁴", "write `^4`"),
-    ("√", "write `sqrt(...)`"),
-    ("π", "write `pi`"),
-    ("θ", "write `theta`"),
-    ("φ", "write `phi`"),
-    ("ϕ", "write `phi`"),
-    ("ρ", "write `rho`"),
-    (";", "separate arguments with `,`"),
-    ("\\", "write plain functions, such as `sqrt(x)`, not LaTeX"),
-    ("#", "a formula has no comments; write them after the string"),
-    ("%", "there is no remainder or percent sign; write `/100` for a percentage"),
-    ("!", "there is no factorial; write the product out"),
+/// The signs of ASCII, longest first.
+const SIGNS: [(Kind, &str); 15] = [
+    (Kind::Op(BinaryOp::Pow), "**"),
+    (Kind::Comparison(Comparison::AtMost), "<="),
+    (Kind::Comparison(Comparison::AtLeast), ">="),
+    (Kind::Comparison(Comparison::AtMost), "<"),
+    (Kind::Comparison(Comparison::AtLeast), ">"),
+    (Kind::Op(BinaryOp::Add), "+"),
+    (Kind::Op(BinaryOp::Sub), "-"),
+    (Kind::Op(BinaryOp::Mul), "*"),
+    (Kind::Op(BinaryOp::Div), "/"),
+    (Kind::Op(BinaryOp::Pow), "^"),
+    (Kind::Equals, "="),
+    (Kind::Open, "("),
+    (Kind::Close, ")"),
+    (Kind::Comma, ","),
+    (Kind::Bar, "|"),
 ];
 
-const NO_COMPARISON: &str =
-    "comparisons are not supported yet; write an equation with `=`, or one side that is 0";
+/// At most so many characters of something strange are quoted.
+const MAX_QUOTE: usize = 40;
+
+/// `written` for a message, not too long.
+fn quoted(written: &str) -> Cow<'_, str> {
+    match written.char_indices().nth(MAX_QUOTE) {
+        None => written.into(),
+        Some((end, _)) => format!("{}…", &written[..end]).into(),
+    }
+}
 
 fn unexpected(written: &str) -> Diagnostic {
-    Diagnostic::new(0..written.len(), format!("`{written}` cannot stand in a formula"))
-        .label("unexpected here")
+    let is_invisible = |c: char| c.is_control() || ('\u{200b}'..='\u{200f}').contains(&c);
+    let shown = match written.chars().next().filter(|&c| is_invisible(c)) {
+        Some(c) => c.escape_unicode().to_string().into(),
+        None => quoted(written),
+    };
+    let message = format!("`{shown}` cannot stand in a formula");
+    Diagnostic::new(0..written.len(), message).label("unexpected here")
+}
+
+fn word(rest: &str) -> Result<(Kind, usize), Diagnostic> {
+    let len = run(rest, |c| c == '_' || c.is_ascii_alphanumeric());
+    if len > MAX_NAME {
+        let message = format!("the name `{}` is too long", quoted(&rest[..len]));
+        return Err(
+            Diagnostic::new(0..len, message).label(format!("more than {MAX_NAME} characters"))
+        );
+    }
+    Ok((Kind::Name, len))
+}
+
+/// A raised integer, such as ², ¹⁰ or ⁻¹.
+fn raised(rest: &str) -> Result<(Kind, usize), Diagnostic> {
+    let len = run(rest, |c| symbols::superscript(c).is_some());
+    let plain: String = rest[..len].chars().filter_map(symbols::superscript).collect();
+    let digits = plain.strip_prefix(['+', '-']).unwrap_or(&plain);
+    if digits.is_empty() || !digits.bytes().all(|c| c.is_ascii_digit()) {
+        let message = format!("`{}` is not a power", quoted(&rest[..len]));
+        return Err(Diagnostic::new(0..len, message)
+            .label("not a raised integer")
+            .help("write the exponent after `^`, as in x^(a-1)"));
+    }
+    Ok((Kind::Power, len))
 }
 
 /// A decimal number: digits with at most one point, then an exponent if `e` is followed by one
@@ -169,15 +213,15 @@ fn number(rest: &str) -> Result<(Kind, usize), Diagnostic> {
     match rest[..len].parse::<f64>() {
         Ok(value) if value.is_finite() => Ok((Kind::Number, len)),
         Ok(_) => {
-            Err(Diagnostic::new(0..len, format!("the number `{}` is too large", &rest[..len]))
-                .label("above 1.7e308"))
+            let message = format!("the number `{}` is too large", quoted(&rest[..len]));
+            Err(Diagnostic::new(0..len, message).label("above 1.7e308"))
         }
         Err(_) => Err(not_a_number(&rest[..len])),
     }
 }
 
 fn not_a_number(written: &str) -> Diagnostic {
-    Diagnostic::new(0..written.len(), format!("`{written}` is not a number"))
+    Diagnostic::new(0..written.len(), format!("`{}` is not a number", quoted(written)))
         .label("not a decimal number")
         .help("a number has digits, at most one point and perhaps an exponent: 12, 0.5, 1e-3")
 }
@@ -212,12 +256,34 @@ mod tests {
     }
 
     #[test]
+    fn printed_signs_are_tokens_with_exact_spans() {
+        assert_eq!(
+            texts("2πr²−x¹⁰·√y⁻³"),
+            ["2", "π", "r", "²", "−", "x", "¹⁰", "·", "√", "y", "⁻³", ""]
+        );
+        assert_eq!((power("¹⁰"), power("⁻³"), power("⁺²")), ("10".into(), "-3".into(), "2".into()));
+        assert_eq!(["θ", "ϕ", "φ", "ρ", "x1"].map(name), ["theta", "phi", "phi", "rho", "x1"]);
+        assert_eq!(texts("x**2<=1≥0"), ["x", "**", "2", "<=", "1", "≥", "0", ""]);
+    }
+
+    #[test]
+    fn names_are_told_from_what_is_none() {
+        for text in ["x", "_a1", "λ", "sin"] {
+            assert!(is_name(text), "{text}");
+        }
+        for text in ["", "1x", "a b", "λ1", "a-b", "é", " a"] {
+            assert!(!is_name(text), "{text}");
+        }
+        assert_eq!(lex(&"a".repeat(65)).unwrap_err()[0].span, 0..65);
+    }
+
+    #[test]
     fn all_foreign_characters_are_found_with_advice() {
-        let errors = lex("x² + y² ≤ π ∂ привет").unwrap_err();
+        let errors = lex("x⁻ + y == ∞ ∂ привет %").unwrap_err();
         let spans: Vec<_> = errors.iter().map(|e| e.span.clone()).collect();
-        assert_eq!(spans, [1..3, 7..9, 10..13, 14..16, 17..20, 21..33]);
-        assert_eq!(errors[0].help.as_deref(), Some("write `^2`"));
-        assert_eq!(errors[5].help, None);
+        assert_eq!(spans, [1..4, 9..11, 12..15, 16..19, 20..32, 33..34]);
+        assert_eq!(errors[1].help.as_deref(), Some("write `=` once; it makes an equation"));
+        assert_eq!(errors[4].help, None);
     }
 
     #[test]

@@ -1,74 +1,55 @@
 //! From the text of a formula to a program: [`parse()`] gives an [`Ast`], [`Expr::resolve`] finds what
-//! its names mean and shares equal parts in a graph, and [`Expr::tape`] schedules the graph.
+//! its names mean, those that the scene defines included, and shares equal parts in a graph, and
+//! [`Expr::tape`] schedules the graph.
 
 mod ast;
 mod definition;
+mod explain;
+mod functions;
 mod graph;
 mod lex;
+mod literal;
+mod names;
 mod parse;
 mod resolve;
+mod symbols;
 mod syntax;
 mod tape;
+mod values;
 
-pub use ast::{Ast, BinaryOp, Node, NodeId};
-pub use definition::{Definition, DefinitionKind, Mistake, Relation, Resolved};
+pub use ast::{Ast, BinaryOp, Comparison, Node, NodeId};
+pub use definition::{Definition, DefinitionKind, Mistake};
 pub use graph::{Graph, Id};
 pub use parse::parse;
+pub use resolve::{Relation, Resolved};
 pub use tape::{Choice, Instruction, Tape};
 
-use crate::{
-    diagnostic::Diagnostic,
-    math::{Binary, Constant, Unary},
-};
+use crate::math::{Binary, Constant, Unary};
 
 /// A formula with its names resolved and common parts shared.
 #[derive(Clone, Debug)]
 pub struct Expr {
     graph: Graph,
     root: Id,
+    /// What is at most 0 where the formula counts, if it does not count everywhere.
+    region: Option<Id>,
 }
 
 impl Expr {
     /// A formula made by hand: the node `root` of a graph.
     #[must_use]
     pub fn new(graph: Graph, root: Id) -> Self {
-        Self { graph, root }
+        Self { graph, root, region: None }
     }
 
-    /// Resolves the names of a formula. An equation becomes left minus right.
+    /// Finds what the names of a formula mean. A definition hides what its name means otherwise.
     ///
     /// # Errors
-    /// Unknown names, unknown functions and wrong numbers of arguments.
+    /// Names that mean nothing, calls that do not fit, circular definitions, parameters that are
+    /// not constant. All definitions are checked, used or not, so that a mistake in one is found
+    /// with every formula. The list is empty only if the formula needs a definition whose tree is.
     pub fn resolve(ast: &Ast, definitions: &[Definition]) -> Result<Resolved, Vec<Mistake>> {
-        let mistakes = |definition: Option<usize>| {
-            move |errors: Vec<Diagnostic>| -> Vec<Mistake> {
-                let mistake = |diagnostic| Mistake { definition, diagnostic };
-                errors.into_iter().map(mistake).collect()
-            }
-        };
-        let mut graph = Graph::default();
-        let mut known = Vec::new();
-        for (i, definition) in definitions.iter().enumerate() {
-            let id =
-                resolve::lower(&definition.ast, &known, &mut graph).map_err(mistakes(Some(i)))?;
-            known.push((definition.name.as_str(), id));
-        }
-        let root = resolve::lower(ast, &known, &mut graph).map_err(mistakes(None))?;
-        let is_equation = matches!(ast.nodes.last(), Some((Node::Equation(..), _)));
-        let relation = if is_equation { Relation::Equation } else { Relation::Value };
-        Ok(Resolved { expr: Self { graph, root }, relation, warnings: Vec::new() })
-    }
-
-    /// Keeps only what lies where `by` is not positive; where a surface is cut it stays open.
-    #[must_use]
-    pub fn clipped(self, _by: &Self) -> Self {
-        self
-    }
-
-    /// What lies in both, where both are negative inside: the larger of the two.
-    #[must_use]
-    pub fn intersected(self, _by: &Self) -> Self {
-        self
+        resolve::resolve(ast, definitions)
     }
 
     /// The blend of spheres of Stolte & Kaufman (1998, section 2), positive inside: the sum of
@@ -100,7 +81,7 @@ impl Expr {
             let term = g.powi(support, 4);
             sum = g.add(sum, term);
         }
-        Self { graph, root: sum }
+        Self::new(graph, sum)
     }
 
     /// The negated formula: inside and outside change places.
@@ -110,9 +91,26 @@ impl Expr {
         self
     }
 
+    /// The part of the surface where `by` is at most 0; where that cuts it, it stays open.
+    #[must_use]
+    pub fn clipped(mut self, by: &Self) -> Self {
+        let by = self.graph.import(&by.graph, by.root);
+        let region = self.region.map_or(by, |region| self.graph.binary(Binary::Max, region, by));
+        self.region = Some(region);
+        self
+    }
+
+    /// The solid inside both this formula and `by`: where that cuts the surface, it is capped.
+    #[must_use]
+    pub fn intersected(mut self, by: &Self) -> Self {
+        let by = self.graph.import(&by.graph, by.root);
+        self.root = self.graph.binary(Binary::Max, self.root, by);
+        self
+    }
+
     /// The program, ready to run.
     #[must_use]
     pub fn tape(&self) -> Tape {
-        Tape::new(self.graph.nodes(), self.root)
+        Tape::new(self.graph.nodes(), self.root, self.region)
     }
 }

@@ -4,18 +4,25 @@
 //! as a stack of [`Frame`]s, so that no formula, however nested, can overflow the thread's stack.
 //!
 //! The parser alternates between two states: it wants an operand, or it has one and looks at what
-//! follows. From the loosest to the tightest, the operators are `=`; `+ -`; `* /`; unary minus and
-//! plus; `^`, which alone groups from the right. So `-x^2` is `-(x^2)` and `2^-x^2` is
-//! `2^(-(x^2))`.
+//! follows. From the loosest to the tightest, the operators are `=` and comparisons; `+ -`; `* /`;
+//! unary minus and plus; `^`, which alone groups from the right; raised powers; root signs. So
+//! `-x^2` is `-(x^2)` and `2^-x^2` is `2^(-(x^2))`. A product may be written without `*`: see
+//! [`juxtapose`].
+//!
+//! A bar closes the innermost open bracket if that is a bar and a value stands before it, else it
+//! opens: `|x||y|` is a product, and `|2*|x||` needs its `*`.
 
 use std::ops::Range;
 
 use super::{
-    Ast, BinaryOp, Node, NodeId,
-    lex::{Kind, Token, lex},
+    Ast, BinaryOp, Comparison, Node, NodeId, functions,
+    lex::{self, Kind, Token, lex},
+    symbols,
     syntax::{self, Quote},
 };
 use crate::diagnostic::Diagnostic;
+
+mod juxtapose;
 
 /// The deepest nesting of brackets, calls and absolute values.
 const MAX_DEPTH: usize = 1000;
@@ -45,20 +52,32 @@ enum Frame {
     Minus(Range<usize>),
     /// An infix operator with its left operand.
     Infix(BinaryOp, Operand),
-    /// The left side of an equation.
-    Equation(Operand),
+    /// A root sign at this span.
+    Root(Range<usize>),
+    /// The left side of an equation, or of a comparison.
+    Relation(Option<Comparison>, Operand),
     /// An opening bracket at this span.
     Group(Range<usize>),
-    /// An opening bar at this span.
-    Bars(Range<usize>),
-    /// A call: its name's span, the opening bracket's, the arguments so far.
-    Call { name: Range<usize>, open: Range<usize>, args: Vec<NodeId> },
+    /// An opening bar at this span, and whether it stands directly after a value.
+    Bars(Range<usize>, bool),
+    /// A call.
+    Call(Call),
+}
+
+/// A call that is not closed yet.
+struct Call {
+    name: Range<usize>,
+    /// Between the name and the bracket, as in sin²(x).
+    power: Option<Range<usize>>,
+    open: Range<usize>,
+    args: Vec<NodeId>,
 }
 
 impl Frame {
     /// How tightly a waiting operator holds the operand on its right; brackets do not let go.
     fn right_power(&self) -> u8 {
         match self {
+            Self::Root(_) => 9,
             Self::Minus(_) => 5,
             Self::Infix(op, _) => match op {
                 BinaryOp::Add | BinaryOp::Sub => 2,
@@ -112,28 +131,57 @@ impl Parser<'_> {
                 let text = self.text[span.clone()].to_owned();
                 return Ok(Some(self.push(Node::Number { text }, span)));
             }
-            Kind::Name if self.peek() == Kind::Open => {
-                let open = self.next().span;
-                self.open(Frame::Call { name: span, open: open.clone(), args: Vec::new() }, open)?;
-                if self.peek() == Kind::Close {
-                    let close = self.next();
-                    return self.close_bracket(None, &close).map(Some);
-                }
-            }
-            Kind::Name => {
-                let name = self.text[span.clone()].to_owned();
-                return Ok(Some(self.push(Node::Name(name), span)));
-            }
+            Kind::Name => return self.name(span),
             Kind::Op(BinaryOp::Sub) => self.stack.push(Frame::Minus(span)),
             Kind::Op(BinaryOp::Add) => {}
             Kind::Open => self.open(Frame::Group(span.clone()), span)?,
-            Kind::Bar => self.open(Frame::Bars(span.clone()), span)?,
+            Kind::Bar => self.open(Frame::Bars(span.clone(), self.is_juxtaposed()), span)?,
+            Kind::Root => self.stack.push(Frame::Root(span)),
             Kind::End if self.last_opened_just_now() => return Err(self.never_closed()),
-            Kind::Op(_) | Kind::Equals | Kind::Comma | Kind::Close | Kind::End => {
-                return Err(self.quote().missing_operand(&token));
-            }
+            _ => return Err(self.quote().missing_operand(&token)),
         }
         Ok(None)
+    }
+
+    /// Reads a name, or a call up to its first argument.
+    fn name(&mut self, name: Range<usize>) -> Result<Option<Operand>, Diagnostic> {
+        let power = self.power_of_function(&name)?;
+        if self.peek() != Kind::Open {
+            let text = lex::name(&self.text[name.clone()]).to_owned();
+            return Ok(Some(self.push(Node::Name(text), name)));
+        }
+        let open = self.next().span;
+        let call = Call { name, power, open: open.clone(), args: Vec::new() };
+        self.open(Frame::Call(call), open)?;
+        if self.peek() == Kind::Close {
+            let close = self.next();
+            return self.close_bracket(None, &close).map(Some);
+        }
+        Ok(None)
+    }
+
+    /// Reads the power between the name of a function and its bracket: sin²(x) and sin^2(x) are
+    /// (sin(x))².
+    fn power_of_function(
+        &mut self,
+        name: &Range<usize>,
+    ) -> Result<Option<Range<usize>>, Diagnostic> {
+        let name = &self.text[name.clone()];
+        let kind = |n: usize| self.tokens.get(self.at + n).map(|token| token.kind);
+        let n_tokens = match (kind(0), kind(1), kind(2)) {
+            (Some(Kind::Power), Some(Kind::Open), _) => 1,
+            (Some(Kind::Op(BinaryOp::Pow)), Some(Kind::Number), Some(Kind::Open)) => 2,
+            _ => return Ok(None),
+        };
+        if !functions::exists(name) {
+            return Ok(None);
+        }
+        self.at += n_tokens;
+        let power = self.tokens[self.at - 1].span.clone();
+        if self.text[power.clone()].starts_with('⁻') {
+            return Err(syntax::inverse_or_reciprocal(power, name));
+        }
+        Ok(Some(power))
     }
 
     /// Reads what stands after an operand.
@@ -141,23 +189,55 @@ impl Parser<'_> {
         let token = self.next();
         match token.kind {
             Kind::Op(op) => {
-                let left = self.complete(operand, left_power(op));
-                self.stack.push(Frame::Infix(op, left));
+                if op == BinaryOp::Pow {
+                    self.check_power(&operand, &token)?;
+                }
+                self.infix(op, operand);
                 return Ok(After::Operator);
             }
-            Kind::Number | Kind::Name | Kind::Open => {
-                return Err(self.quote().missing_operator(&token));
+            Kind::Power => {
+                self.check_power(&operand, &token)?;
+                return Ok(After::Operand(self.raised(operand, token.span)));
             }
-            Kind::Equals | Kind::Comma | Kind::Close | Kind::Bar | Kind::End => {}
+            Kind::Bar if self.closes_bars() => {}
+            Kind::Number | Kind::Name | Kind::Root | Kind::Open | Kind::Bar => {
+                self.check_product(&operand, &token)?;
+                self.infix(BinaryOp::Mul, operand);
+                self.at -= 1; // the token is read again, as the start of the second factor
+                return Ok(After::Operator);
+            }
+            Kind::Equals | Kind::Comparison(_) | Kind::Comma | Kind::Close | Kind::End => {}
         }
         let operand = self.complete(operand, 0);
         match token.kind {
             Kind::Close => self.close_bracket(Some(operand), &token).map(After::Operand),
-            Kind::Bar => self.close_bars(operand, &token).map(After::Operand),
+            Kind::Bar => Ok(After::Operand(self.close_bars(&operand, &token))),
             Kind::Comma => self.argument(&operand, token.span).map(|()| After::Operator),
-            Kind::Equals => self.equals(operand, token.span).map(|()| After::Operator),
-            _ => self.finish(operand).map(|()| After::End),
+            Kind::Equals => self.relation(None, operand, token.span).map(|()| After::Operator),
+            Kind::Comparison(comparison) => {
+                self.relation(Some(comparison), operand, token.span).map(|()| After::Operator)
+            }
+            _ => self.finish(&operand).map(|()| After::End),
         }
+    }
+
+    /// Begins an operation with its left operand.
+    fn infix(&mut self, op: BinaryOp, operand: Operand) {
+        let left = self.complete(operand, left_power(op));
+        self.stack.push(Frame::Infix(op, left));
+    }
+
+    /// Raises `base` to the integer that is written at `power`.
+    fn raised(&mut self, base: Operand, power: Range<usize>) -> Operand {
+        let written = &self.text[power.clone()];
+        let plain = if written.is_ascii() { written.to_owned() } else { lex::power(written) };
+        let digits = plain.trim_start_matches('-').to_owned();
+        let mut exponent = self.push(Node::Number { text: digits }, power.clone());
+        if plain.starts_with('-') {
+            exponent = self.push(Node::Neg(exponent.node), power.clone());
+        }
+        let span = base.span.start..base.span.end.max(power.end);
+        self.push(Node::Binary(BinaryOp::Pow, base.node, exponent.node), span)
     }
 
     /// Gives `operand` to the operators that hold it tighter than `left_power`: with 0, to all of
@@ -169,6 +249,11 @@ impl Parser<'_> {
                 Some(Frame::Minus(minus)) => {
                     let span = minus.start..right.span.end;
                     self.push(Node::Neg(right.node), span)
+                }
+                Some(Frame::Root(sign)) => {
+                    let span = sign.start..right.span.end;
+                    let function = symbols::root(&self.text[sign.clone()]).to_owned();
+                    Operand { span, ..self.push(Node::Call(function, vec![right.node]), sign) }
                 }
                 Some(Frame::Infix(op, left)) => {
                     let span = left.span.start..right.span.end;
@@ -191,35 +276,41 @@ impl Parser<'_> {
             (Some(Frame::Group(open)), Some(Operand { node, .. })) => {
                 Ok(Operand { node, span: open.start..close.span.end })
             }
-            (Some(Frame::Call { name, mut args, .. }), last) => {
+            (Some(Frame::Call(Call { name, power, mut args, .. })), last) => {
                 args.extend(last.map(|argument| argument.node));
-                let call = Node::Call(self.text[name.clone()].to_owned(), args);
+                let function = lex::name(&self.text[name.clone()]).to_owned();
                 let span = name.start..close.span.end;
-                Ok(Operand { span, ..self.push(call, name) })
+                let call = Operand { span, ..self.push(Node::Call(function, args), name) };
+                Ok(match power {
+                    Some(power) => self.raised(call, power),
+                    None => call,
+                })
             }
-            (Some(Frame::Bars(open)), _) => Err(syntax::never_closed(&open, true)),
+            (Some(Frame::Bars(open, _)), _) => Err(syntax::never_closed(&open, true)),
             _ => Err(syntax::stray_close(close.span.clone())),
         }
     }
 
+    /// Whether a bar after a value closes one: none of another kind may be open inside.
+    fn closes_bars(&self) -> bool {
+        let mut open = self.stack.iter().rev().filter(|frame| frame.right_power() == 0);
+        matches!(open.next(), Some(Frame::Bars(..)))
+    }
+
     /// Closes an absolute value at the second `|`.
-    fn close_bars(&mut self, inner: Operand, close: &Token) -> Result<Operand, Diagnostic> {
-        if let Some(Frame::Bars(open)) = self.stack.last() {
-            let span = open.start..close.span.end;
-            self.stack.pop();
-            self.depth -= 1;
-            return Ok(self.push(Node::Abs(inner.node), span));
-        }
-        Err(match self.stack.iter().any(|frame| matches!(frame, Frame::Bars(_))) {
-            true => self.never_closed(),
-            false => self.quote().missing_operator(close),
-        })
+    fn close_bars(&mut self, inner: &Operand, close: &Token) -> Operand {
+        let start = match self.stack.pop() {
+            Some(Frame::Bars(open, _)) => open.start,
+            _ => unreachable!("a bar was found open"),
+        };
+        self.depth -= 1;
+        self.push(Node::Abs(inner.node), start..close.span.end)
     }
 
     /// Takes an argument at the comma after it.
     fn argument(&mut self, argument: &Operand, comma: Range<usize>) -> Result<(), Diagnostic> {
         match self.stack.last_mut() {
-            Some(Frame::Call { args, .. }) => {
+            Some(Frame::Call(Call { args, .. })) => {
                 args.push(argument.node);
                 Ok(())
             }
@@ -227,48 +318,63 @@ impl Parser<'_> {
         }
     }
 
-    /// Takes the left side of an equation.
-    fn equals(&mut self, left: Operand, equals: Range<usize>) -> Result<(), Diagnostic> {
+    /// Takes the left side of an equation or a comparison at the sign after it.
+    fn relation(
+        &mut self,
+        comparison: Option<Comparison>,
+        left: Operand,
+        sign: Range<usize>,
+    ) -> Result<(), Diagnostic> {
         match self.stack.last() {
             None => {
-                self.stack.push(Frame::Equation(left));
+                self.stack.push(Frame::Relation(comparison, left));
                 Ok(())
             }
-            Some(Frame::Equation(_)) => Err(syntax::second_equals(equals)),
-            Some(_) => Err(syntax::equals_in_brackets(equals)),
+            Some(Frame::Relation(None, _)) if comparison.is_none() => {
+                Err(syntax::second_equals(sign))
+            }
+            Some(Frame::Relation(..)) => Err(syntax::second_relation(sign)),
+            Some(_) => Err(self.quote().relation_in_brackets(sign)),
         }
     }
 
     /// Completes the formula at its end.
-    fn finish(&mut self, right: Operand) -> Result<(), Diagnostic> {
+    fn finish(&mut self, right: &Operand) -> Result<(), Diagnostic> {
         match self.stack.last() {
             None => Ok(()),
-            Some(Frame::Equation(left)) => {
-                let (node, span) = (left.node, left.span.start..right.span.end);
-                self.push(Node::Equation(node, right.node), span);
+            Some(Frame::Relation(comparison, left)) => {
+                let (a, b, span) = (left.node, right.node, left.span.start..right.span.end);
+                let node = match *comparison {
+                    None => Node::Equation(a, b),
+                    Some(comparison) => Node::Comparison(comparison, a, b),
+                };
+                self.push(node, span);
                 Ok(())
             }
             Some(_) => Err(self.never_closed()),
         }
     }
 
-    /// The complaint about the innermost open bracket.
+    /// The complaint about the innermost open bracket. A bar after a value was perhaps meant to
+    /// close one further out.
     fn never_closed(&self) -> Diagnostic {
-        let open = self.stack.iter().rev().find_map(|frame| match frame {
-            Frame::Bars(open) => Some(syntax::never_closed(open, true)),
-            Frame::Group(open) | Frame::Call { open, .. } => {
-                Some(syntax::never_closed(open, false))
-            }
-            Frame::Minus(_) | Frame::Infix(..) | Frame::Equation(_) => None,
+        let mut open = self.stack.iter().filter_map(|frame| match frame {
+            Frame::Bars(open, after_value) => Some((open, true, *after_value)),
+            Frame::Group(open) | Frame::Call(Call { open, .. }) => Some((open, false, false)),
+            _ => None,
         });
-        open.unwrap_or_else(|| Diagnostic::new(0..self.text.len(), "a bracket is never closed"))
+        let innermost = open.clone().rev().find(|&(.., after_value)| !after_value);
+        match innermost.or_else(|| open.next()) {
+            Some((open, is_bar, _)) => syntax::never_closed(open, is_bar),
+            None => Diagnostic::new(0..self.text.len(), "a bracket is never closed"),
+        }
     }
 
     /// Whether the token before the current one opened the innermost bracket.
     fn last_opened_just_now(&self) -> bool {
         match self.stack.last() {
-            Some(Frame::Group(_) | Frame::Bars(_)) => true,
-            Some(Frame::Call { args, .. }) => args.is_empty(),
+            Some(Frame::Group(_) | Frame::Bars(..)) => true,
+            Some(Frame::Call(Call { args, .. })) => args.is_empty(),
             _ => false,
         }
     }

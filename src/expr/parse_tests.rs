@@ -18,6 +18,8 @@ fn show(ast: &Ast) -> String {
                 format!("{name}({})", args.iter().map(at).collect::<Vec<_>>().join(","))
             }
             Node::Equation(a, b) => format!("{}={}", at(a), at(b)),
+            Node::Comparison(Comparison::AtMost, a, b) => format!("{}<={}", at(a), at(b)),
+            Node::Comparison(Comparison::AtLeast, a, b) => format!("{}>={}", at(a), at(b)),
         };
         shown.push(text);
     }
@@ -73,6 +75,170 @@ fn bars_nest_and_stand_side_by_side() {
 }
 
 #[test]
+fn bars_close_if_they_can_and_open_if_not() {
+    for (text, tree) in [
+        ("2|x|", "(2*|x|)"),
+        ("x|y|", "(x*|y|)"),
+        ("|x||y|", "(|x|*|y|)"),
+        ("|x| |y|^2", "(|x|*(|y|^2))"),
+        ("|(2|x|)|", "|(2*|x|)|"),
+        ("|2*|x||", "|(2*|x|)|"),
+        ("(x+1)|y|-1", "(((x+1)*|y|)-1)"),
+        ("|x|²|y|", "((|x|^2)*|y|)"),
+        ("∣x∣", "|x|"),
+    ] {
+        assert_eq!(shown(text), tree, "{text}");
+    }
+    for (text, span, message) in [
+        ("|x|y|", 2..4, "an operator is missing between `|` and `y`"),
+        ("|x|(y)", 2..4, "an operator is missing between `|` and `(`"),
+        ("|2|x||", 2..4, "an operator is missing between `|` and `x`"),
+        ("x|y", 1..2, "`|` is never closed"),
+        ("|x||", 3..4, "`|` is never closed"),
+    ] {
+        assert_mistake(text, span, message);
+    }
+}
+
+#[test]
+fn products_without_a_sign_bind_as_with_one() {
+    for (text, tree) in [
+        ("2x", "(2*x)"),
+        ("2x^2", "(2*(x^2))"),
+        ("-2x", "((-2)*x)"),
+        ("2 x y", "((2*x)*y)"),
+        ("3(x+1)", "(3*(x+1))"),
+        ("(x+1)(y-1)", "((x+1)*(y-1))"),
+        ("(x+1)y", "((x+1)*y)"),
+        ("2sin(x)cos(y)", "((2*sin(x))*cos(y))"),
+        ("x^2y^3", "((x^2)*(y^3))"),
+        ("x^(2)y", "((x^2)*y)"),
+        ("e^(2)x", "((e^2)*x)"),
+        ("2^(x)y", "((2^x)*y)"),
+        ("2x/3", "((2*x)/3)"),
+        ("1/2*x", "((1/2)*x)"),
+        ("1/2*3x", "(((1/2)*3)*x)"),
+        ("1/(2x)", "(1/(2*x))"),
+        ("2x-3y", "((2*x)-(3*y))"),
+        ("2e", "(2*e)"),
+        ("2e3x", "(2e3*x)"),
+        ("x y²(z)", "((x*(y^2))*z)"),
+        ("x(y)", "x(y)"),
+        ("2x = 3y", "(2*x)=(3*y)"),
+    ] {
+        assert_eq!(shown(text), tree, "{text}");
+    }
+}
+
+#[test]
+fn products_that_could_be_mistaken_are_refused() {
+    for (text, span, help) in [
+        ("1/2x", 0..4, "write `(1/2)*x` or `1/(2*x)`"),
+        ("y + 1/2(x+1)", 4..8, "write `(1/2)*(…)` or `1/(2*(…))`"),
+        ("x/y²z", 0..6, "write `(x/y²)*z` or `x/(y²*z)`"),
+        ("9/4 y^2", 0..5, "write `(9/4)*y` or `9/(4*y)`"),
+        ("1/-2x", 0..5, "write `(1/-2)*x` or `1/(-2*x)`"),
+        ("1/2|x|", 0..4, "write `(1/2)*|…|` or `1/(2*|…|)`"),
+        ("1/2sin(x)", 0..6, "write `(1/2)*sin(…)` or `1/(2*sin(…))`"),
+        ("e^2x", 0..4, "write `e^(2)*x` or `e^(2*x)`"),
+        ("2^3x", 0..4, "write `2^(3)*x` or `2^(3*x)`"),
+        ("x^-2y", 0..5, "write `x^(-2)*y` or `x^(-2*y)`"),
+        ("x^n y", 0..5, "write `x^(n)*y` or `x^(n*y)`"),
+        ("√x y", 0..6, "write `sqrt(x)*y` or `sqrt(x*y)`"),
+        ("√x²", 0..6, "write `sqrt(x)^2` or `sqrt(x^2)`"),
+        ("-√x^3", 1..6, "write `sqrt(x)^…` or `sqrt(x^…)`"),
+        ("x²^3", 0..4, "write `(a^b)^c` or `a^(b^c)`"),
+    ] {
+        let errors = parse(text).unwrap_err();
+        assert_eq!(errors[0].message, "this can be read in two ways", "{text}");
+        assert_eq!(
+            (errors[0].span.clone(), errors[0].help.as_deref()),
+            (span, Some(help)),
+            "{text}"
+        );
+    }
+    for (text, span, message) in [
+        ("2 3", 0..3, "an operator is missing between `2` and `3`"),
+        ("x 2", 0..3, "an operator is missing between `x` and `2`"),
+        ("(x)2", 2..4, "an operator is missing between `)` and `2`"),
+        ("sin x", 0..5, "the argument of `sin` needs parentheses"),
+        ("1/sin x", 2..7, "the argument of `sin` needs parentheses"),
+    ] {
+        assert_mistake(text, span, message);
+    }
+}
+
+#[test]
+fn printed_signs_mean_what_they_mean() {
+    for (text, tree) in [
+        ("x²", "(x^2)"),
+        ("-x²", "(-(x^2))"),
+        ("x¹⁰y⁻³", "((x^10)*(y^(-3)))"),
+        ("(x+1)²", "((x+1)^2)"),
+        ("2^x²", "(2^(x^2))"),
+        ("a·b×c⋅d", "(((a*b)*c)*d)"),
+        ("a÷b−c", "((a/b)-c)"),
+        ("2πr²", "((2*pi)*(r^2))"),
+        ("θ+φ+ϕ+ρ+τ", "((((theta+phi)+phi)+rho)+tau)"),
+        ("√2", "sqrt(2)"),
+        ("√2x", "(sqrt(2)*x)"),
+        ("2√3", "(2*sqrt(3))"),
+        ("√(x²+y²)-1", "(sqrt(((x^2)+(y^2)))-1)"),
+        ("√√x+1", "(sqrt(sqrt(x))+1)"),
+        ("√-x", "sqrt((-x))"),
+        ("∛x*2", "(cbrt(x)*2)"),
+        ("√sin(x)", "sqrt(sin(x))"),
+        ("2**3**x", "(2^(3^x))"),
+        ("sin²(x)+cos^2(x)", "((sin(x)^2)+(cos(x)^2))"),
+        ("2sin³(x)y", "((2*(sin(x)^3))*y)"),
+        ("x²(y)", "((x^2)*y)"),
+    ] {
+        assert_eq!(shown(text), tree, "{text}");
+    }
+    assert_mistake("sin⁻¹(x)", 3..8, "this can be the inverse function or the reciprocal");
+    assert_mistake("²x", 0..2, "nothing stands before `²`");
+}
+
+#[test]
+fn spans_are_exact_in_bytes() {
+    let ast = parse("√π·|θ|²").unwrap();
+    let spans: Vec<_> = ast.nodes.iter().map(|(_, span)| span.clone()).collect();
+    assert_eq!(show(&ast), "(sqrt(pi)*(|theta|^2))");
+    assert_eq!(spans, [3..5, 0..3, 8..10, 7..11, 11..13, 7..13, 0..13]);
+    let ast = parse("sin²(x)").unwrap();
+    let spans: Vec<_> = ast.nodes.iter().map(|(_, span)| span.clone()).collect();
+    assert_eq!(spans, [6..7, 0..3, 3..5, 0..8]);
+}
+
+#[test]
+fn comparisons_stand_alone() {
+    for (text, tree) in [
+        ("x^2 <= 1", "(x^2)<=1"),
+        ("x < 1", "x<=1"),
+        ("x ≥ y+1", "x>=(y+1)"),
+        ("x > 2y", "x>=(2*y)"),
+        ("|x| ≤ 1", "|x|<=1"),
+    ] {
+        assert_eq!(shown(text), tree, "{text}");
+    }
+    for (text, span, message) in [
+        ("0 <= x <= 1", 7..9, "a formula has one `=`, `<=` or `>=` at most"),
+        ("x = y < 1", 6..7, "a formula has one `=`, `<=` or `>=` at most"),
+        ("max(x < 1, y)", 6..7, "`<` stands inside brackets"),
+        ("x <=", 2..4, "nothing follows `<=`"),
+    ] {
+        assert_mistake(text, span, message);
+    }
+    let help = |text| parse(text).unwrap_err()[0].help.clone().unwrap();
+    assert!(help("max(x >= 1, y)").ends_with("`b - a` for `a >= b`"));
+}
+
+fn assert_mistake(text: &str, span: Range<usize>, message: &str) {
+    let errors = parse(text).unwrap_err();
+    assert_eq!((errors[0].span.clone(), errors[0].message.as_str()), (span, message), "{text}");
+}
+
+#[test]
 fn calls_keep_their_arguments_and_the_span_of_their_name() {
     let ast = parse(" atan2(y, x)+f()").unwrap();
     assert_eq!(show(&ast), "(atan2(y,x)+f())");
@@ -104,18 +270,14 @@ fn mistakes_are_marked_where_they_are() {
         ("(|x)", 1..2, "`|` is never closed"),
         ("|(x|", 1..2, "`(` is never closed"),
         ("x+1)", 3..4, "`)` closes nothing"),
-        ("2x", 0..2, "an operator is missing between `2` and `x`"),
-        ("x  y", 0..4, "an operator is missing between `x` and `y`"),
-        ("(x)(y)", 2..4, "an operator is missing between `)` and `(`"),
-        ("|x||y|", 2..4, "an operator is missing between `|` and `|`"),
+        ("x  2", 0..4, "an operator is missing between `x` and `2`"),
         ("1,5*x", 1..2, "`,` stands outside a call"),
         ("x=y=z", 3..4, "a formula has one `=` at most"),
         ("(x=y)", 2..3, "`=` stands inside brackets"),
     ] {
-        let errors = parse(text).unwrap_err();
-        assert_eq!((errors[0].span.clone(), errors[0].message.as_str()), (span, message), "{text}");
+        assert_mistake(text, span, message);
     }
-    assert_eq!(parse("2x").unwrap_err()[0].help.as_deref(), Some("write `2*x` for a product"));
+    assert_eq!(parse("x 2").unwrap_err()[0].help.as_deref(), Some("write `x*2` for a product"));
 }
 
 /// Runs on the smallest stack that a worker thread has.
@@ -200,7 +362,7 @@ proptest! {
 
     #[test]
     fn token_soup_gives_an_answer_with_spans_in_the_text(
-        soup in "([-+*/^(),|= ]|sin|x|2|\\.5|1e|²|é){0,40}",
+        soup in "([-+*/^(),|= <>]|sin|x|2|\\.5|1e|²|⁻|√|π|≤|·|é){0,40}",
     ) {
         match parse(&soup) {
             Ok(ast) => prop_assert!(ast.nodes.iter().all(|(_, s)| soup.get(s.clone()).is_some())),

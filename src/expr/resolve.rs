@@ -1,115 +1,265 @@
-//! Names to operations: from the tree of a formula to the graph of a program.
+//! Names to operations: from the trees of a formula and of the definitions that it may use to the
+//! graph of a program.
+//!
+//! Every definition is lowered once, before those that use it, and its name then means that node:
+//! a part that is used many times, directly or through others, is computed once.
 
-use crate::{
-    diagnostic::{Diagnostic, did_you_mean},
-    expr::{
-        Ast, BinaryOp, Node as AstNode,
-        graph::{Graph, Id},
-    },
-    math::{Binary, Constant, Unary, Wave},
+use std::ops::Range;
+
+use super::{
+    Ast, BinaryOp, Comparison, Definition, DefinitionKind, Expr, Mistake, Node as AstNode,
+    definition::Definitions,
+    explain, functions,
+    graph::{Graph, Id},
+    lex,
+    literal::decimal,
+    names,
+    values::PointValues,
 };
+use crate::{diagnostic::Diagnostic, math::Unary};
 
-/// The names that stand for a value.
-const NAMES: [&str; 9] = ["x", "y", "z", "r", "theta", "phi", "rho", "pi", "e"];
+/// After so many mistakes the rest is not worth reading.
+const MAX_MISTAKES: usize = 32;
 
-/// The functions with their least and largest number of arguments.
-const FUNCTIONS: [(&str, usize, usize); 11] = [
-    ("sqrt", 1, 1),
-    ("abs", 1, 1),
-    ("min", 2, usize::MAX),
-    ("max", 2, usize::MAX),
-    ("sin", 1, 1),
-    ("cos", 1, 1),
-    ("atan2", 2, 2),
-    ("acos", 1, 1),
-    ("exp", 1, 1),
-    ("ln", 1, 1),
-    ("pow", 2, 2),
-];
+/// A formula whose names are resolved.
+#[derive(Clone, Debug)]
+pub struct Resolved {
+    /// The formula; a relation became a difference: left minus right, and right minus left for
+    /// `>=`, so that a solid is where it is negative.
+    pub expr: Expr,
+    /// What the formula is.
+    pub relation: Relation,
+    /// What is probably not meant, though it has a meaning.
+    pub warnings: Vec<Mistake>,
+}
 
-/// Lowers `ast` into `graph`; an equation becomes left minus right.
-pub(super) fn lower(
-    ast: &Ast,
-    known: &[(&str, Id)],
-    graph: &mut Graph,
-) -> Result<Id, Vec<Diagnostic>> {
-    let mut diagnostics = Vec::new();
-    let mut ids: Vec<Id> = Vec::with_capacity(ast.nodes.len());
-    for (node, span) in &ast.nodes {
-        let id = |child: u32| ids[child as usize];
-        let lowered = match node {
-            AstNode::Number { text } => Ok(graph.constant(decimal(text))),
-            AstNode::Name(name) => match known.iter().find(|(known, _)| known == name) {
-                Some(&(_, id)) => Ok(id),
-                None => lower_name(name, graph),
-            },
-            AstNode::Neg(a) => Ok(graph.unary(Unary::Neg, id(*a))),
-            AstNode::Abs(a) => Ok(graph.unary(Unary::Abs, id(*a))),
-            AstNode::Binary(op, a, b) => Ok(lower_binary(*op, id(*a), id(*b), graph)),
-            AstNode::Equation(a, b) => Ok(graph.sub(id(*a), id(*b))),
-            AstNode::Call(name, arguments) => {
-                let arguments: Vec<Id> = arguments.iter().map(|&a| id(a)).collect();
-                lower_call(name, &arguments, graph)
+/// What a formula is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relation {
+    /// Neither an equation nor a comparison.
+    Value,
+    /// `a = b`
+    Equation,
+    /// `a <= b` or `a >= b`: all places where it holds.
+    Solid,
+}
+
+/// Resolves `ast` with `definitions`. See [`Expr::resolve`].
+pub(super) fn resolve(ast: &Ast, definitions: &[Definition]) -> Result<Resolved, Vec<Mistake>> {
+    let mut mistakes = Vec::new();
+    let by_name = Definitions::new(definitions, &mut mistakes);
+    let order = by_name.ordered(&mut mistakes);
+    let mut resolver = Resolver {
+        graph: Graph::default(),
+        lowered: vec![None; definitions.len()],
+        is_used: vec![false; definitions.len()],
+        definitions: by_name,
+        values: PointValues::default(),
+        mistakes,
+    };
+    for index in order {
+        resolver.define(index);
+    }
+    let root = resolver.lower(None, ast);
+    if root.is_damaged || !resolver.mistakes.is_empty() {
+        let mut mistakes = resolver.mistakes;
+        mistakes.truncate(MAX_MISTAKES);
+        return Err(mistakes);
+    }
+    let warnings = resolver.hidden_names();
+    let expr = Expr::new(resolver.graph, root.id);
+    Ok(Resolved { expr, relation: relation(ast), warnings })
+}
+
+fn relation(ast: &Ast) -> Relation {
+    match ast.nodes.last() {
+        Some((AstNode::Equation(..), _)) => Relation::Equation,
+        Some((AstNode::Comparison(..), _)) => Relation::Solid,
+        _ => Relation::Value,
+    }
+}
+
+/// A part of a formula in the graph.
+#[derive(Clone, Copy)]
+struct Lowered {
+    id: Id,
+    /// Whether it was written with coordinates.
+    varies: bool,
+    /// Whether it stands in for something that could not be made sense of.
+    is_damaged: bool,
+}
+
+struct Resolver<'a> {
+    definitions: Definitions<'a>,
+    graph: Graph,
+    /// The definitions done so far.
+    lowered: Vec<Option<Lowered>>,
+    is_used: Vec<bool>,
+    values: PointValues,
+    mistakes: Vec<Mistake>,
+}
+
+impl Resolver<'_> {
+    /// Lowers a definition.
+    fn define(&mut self, index: usize) {
+        let Definition { kind, ast, .. } = &self.definitions.list[index];
+        let mut lowered = self.lower(Some(index), ast);
+        if relation(ast) != Relation::Value {
+            lowered.is_damaged = true;
+            let diagnostic = Diagnostic::new(ast.span(), "a definition is a value")
+                .label("this is an equation or a comparison")
+                .help("write the relation in a formula, or the difference of its sides here");
+            self.complain(Some(index), diagnostic);
+        }
+        if *kind == DefinitionKind::Parameter && !lowered.is_damaged {
+            let value = self.values.at(&self.graph, lowered.id);
+            if !value.is_finite() {
+                lowered.is_damaged = true;
+                let name = lex::name(&self.definitions.list[index].name);
+                let diagnostic = Diagnostic::new(ast.span(), format!("`{name}` has no value"))
+                    .label("undefined, or too large")
+                    .help("it divides by 0, perhaps, or takes a root of a negative number");
+                self.complain(Some(index), diagnostic);
             }
+        }
+        self.lowered[index] = Some(lowered);
+    }
+
+    /// Lowers the tree of the definition `text`, or of the formula.
+    fn lower(&mut self, text: Option<usize>, ast: &Ast) -> Lowered {
+        let mut parts: Vec<Lowered> = Vec::with_capacity(ast.nodes.len());
+        for (node, span) in &ast.nodes {
+            let part = self.node(text, node, span, &parts);
+            parts.push(part);
+        }
+        parts.last().copied().unwrap_or_else(|| self.stand_in())
+    }
+
+    /// Something in place of what has no meaning, so that further mistakes are found.
+    fn stand_in(&mut self) -> Lowered {
+        Lowered { id: self.graph.variable(0), varies: false, is_damaged: true }
+    }
+
+    fn complain(&mut self, definition: Option<usize>, diagnostic: Diagnostic) {
+        if self.mistakes.len() < MAX_MISTAKES {
+            self.mistakes.push(Mistake { definition, diagnostic });
+        }
+    }
+
+    fn node(
+        &mut self,
+        text: Option<usize>,
+        node: &AstNode,
+        span: &Range<usize>,
+        parts: &[Lowered],
+    ) -> Lowered {
+        let graph = &mut self.graph;
+        let part = |child: u32| parts[child as usize];
+        let same = |id, a: Lowered| Lowered { id, ..a };
+        let both = |id, a: Lowered, b: Lowered| Lowered {
+            id,
+            varies: a.varies || b.varies,
+            is_damaged: a.is_damaged || b.is_damaged,
         };
-        ids.push(lowered.unwrap_or_else(|complain| {
-            diagnostics.push(complain(span.clone()));
-            graph.variable(0) // stands in, so that further mistakes are found
-        }));
-    }
-    match ids.last() {
-        Some(&root) if diagnostics.is_empty() => Ok(root),
-        _ => Err(diagnostics),
-    }
-}
-
-/// A mistake that still lacks its place.
-type Complaint = Box<dyn Fn(std::ops::Range<usize>) -> Diagnostic>;
-
-fn lower_name(name: &str, graph: &mut Graph) -> Result<Id, Complaint> {
-    let [x, y, z] = [0, 1, 2].map(|axis| graph.variable(axis));
-    Ok(match name {
-        "x" => x,
-        "y" => y,
-        "z" => z,
-        "pi" => graph.constant(Constant::rounded(std::f64::consts::PI)),
-        "e" => graph.constant(Constant::rounded(std::f64::consts::E)),
-        "rho" => radius_of(&[x, y], graph),
-        "r" => radius_of(&[x, y, z], graph),
-        "theta" => graph.binary(Binary::Atan2 { lifted: false }, y, x),
-        "phi" => {
-            let rho = radius_of(&[x, y], graph);
-            graph.binary(Binary::Atan2 { lifted: false }, rho, z)
+        match *node {
+            AstNode::Number { ref text } => {
+                Lowered { id: graph.constant(decimal(text)), varies: false, is_damaged: false }
+            }
+            AstNode::Name(ref name) => self.name(text, name, span),
+            AstNode::Call(ref name, ref arguments) => {
+                let arguments: Vec<Lowered> = arguments.iter().map(|&a| part(a)).collect();
+                self.call(text, name, span, &arguments)
+            }
+            AstNode::Neg(a) => same(graph.unary(Unary::Neg, part(a).id), part(a)),
+            AstNode::Abs(a) => same(graph.unary(Unary::Abs, part(a).id), part(a)),
+            AstNode::Binary(op, a, b) => {
+                let (a, b) = (part(a), part(b));
+                both(binary(op, a.id, b.id, graph), a, b)
+            }
+            AstNode::Equation(a, b) | AstNode::Comparison(Comparison::AtMost, a, b) => {
+                let (a, b) = (part(a), part(b));
+                both(graph.sub(a.id, b.id), a, b)
+            }
+            AstNode::Comparison(Comparison::AtLeast, a, b) => {
+                let (a, b) = (part(a), part(b));
+                both(graph.sub(b.id, a.id), a, b)
+            }
         }
-        _ => {
-            let is_function = FUNCTIONS.iter().any(|&(function, ..)| function == name);
-            let name = name.to_owned();
-            return Err(Box::new(move |span| {
-                let diagnostic = Diagnostic::new(span, format!("unknown name `{name}`"));
-                if is_function {
-                    return diagnostic
-                        .label("this is a function")
-                        .help(format!("write its argument in parentheses: `{name}(…)`"));
-                }
-                let known = format!("known names are {}", NAMES.join(", "));
-                diagnostic.label("not known here").help(match did_you_mean(&name, NAMES) {
-                    Some(candidate) => format!("did you mean `{candidate}`? {known}"),
-                    None => known,
-                })
-            }));
+    }
+
+    fn name(&mut self, text: Option<usize>, name: &str, span: &Range<usize>) -> Lowered {
+        let lowered = match self.definitions.find(name) {
+            Some(index) => {
+                self.is_used[index] = true;
+                self.lowered[index]
+            }
+            None => names::lower(name, &mut self.graph).map(|id| Lowered {
+                id,
+                varies: names::is_coordinate(name),
+                is_damaged: false,
+            }),
+        };
+        let Some(lowered) = lowered else {
+            // A definition that is not lowered yet is in a cycle, which was complained about.
+            if self.definitions.find(name).is_none() && self.mistakes.len() < MAX_MISTAKES {
+                let defined = self.definitions.names();
+                self.complain(text, explain::unknown_name(name, span.clone(), &defined));
+            }
+            return self.stand_in();
+        };
+        let user = text.map(|index| &self.definitions.list[index]);
+        if let Some(user) = user.filter(|user| user.kind == DefinitionKind::Parameter)
+            && lowered.varies
+        {
+            let user = lex::name(&user.name);
+            self.complain(text, explain::not_constant(user, name, span.clone()));
+            return self.stand_in();
         }
-    })
+        lowered
+    }
+
+    fn call(
+        &mut self,
+        text: Option<usize>,
+        name: &str,
+        span: &Range<usize>,
+        arguments: &[Lowered],
+    ) -> Lowered {
+        let ids: Vec<Id> = arguments.iter().map(|argument| argument.id).collect();
+        let function = functions::find(name);
+        if let Some(id) = function.and_then(|function| function.lower(&mut self.graph, &ids)) {
+            return Lowered {
+                id,
+                varies: arguments.iter().any(|argument| argument.varies),
+                is_damaged: arguments.iter().any(|argument| argument.is_damaged),
+            };
+        }
+        if self.mistakes.len() < MAX_MISTAKES {
+            let span = span.clone();
+            let diagnostic = match function {
+                None => explain::unknown_function(name, span, &self.definitions.names()),
+                Some(function) => explain::wrong_count(function, span, arguments.len()),
+            };
+            self.complain(text, diagnostic);
+        }
+        self.stand_in()
+    }
+
+    /// Warnings about the definitions that took a name which has a meaning without them.
+    fn hidden_names(&self) -> Vec<Mistake> {
+        let definitions = self.definitions.list.iter().zip(&self.is_used).enumerate();
+        let hiding = definitions.filter_map(|(index, (definition, &is_used))| {
+            let name = lex::name(&definition.name);
+            (is_used && names::exists(name)).then(|| Mistake {
+                definition: Some(index),
+                diagnostic: explain::hidden(name, definition.ast.span()),
+            })
+        });
+        hiding.collect()
+    }
 }
 
-/// √(Σ aᵢ²): over a box this is the exact range, because the coordinates are independent.
-fn radius_of(coordinates: &[Id], graph: &mut Graph) -> Id {
-    let squares: Vec<Id> = coordinates.iter().map(|&a| graph.powi(a, 2)).collect();
-    let sum = squares.into_iter().reduce(|a, b| graph.add(a, b));
-    let sum = sum.unwrap_or_else(|| graph.constant(Constant::exact(0.0)));
-    graph.unary(Unary::Sqrt, sum)
-}
-
-fn lower_binary(op: BinaryOp, a: Id, b: Id, graph: &mut Graph) -> Id {
+fn binary(op: BinaryOp, a: Id, b: Id, graph: &mut Graph) -> Id {
     match op {
         BinaryOp::Add => graph.add(a, b),
         BinaryOp::Sub => graph.sub(a, b),
@@ -119,110 +269,6 @@ fn lower_binary(op: BinaryOp, a: Id, b: Id, graph: &mut Graph) -> Id {
     }
 }
 
-fn lower_call(name: &str, arguments: &[Id], graph: &mut Graph) -> Result<Id, Complaint> {
-    let Some(&(_, least, most)) = FUNCTIONS.iter().find(|&&(function, ..)| function == name) else {
-        return Err(unknown_function(name));
-    };
-    if !(least..=most).contains(&arguments.len()) {
-        return Err(wrong_count(name, least, most, arguments.len()));
-    }
-    let a = arguments[0];
-    let fold = |op, graph: &mut Graph| {
-        arguments[1..].iter().fold(a, |folded, &b| graph.binary(op, folded, b))
-    };
-    Ok(match name {
-        "sqrt" => graph.unary(Unary::Sqrt, a),
-        "abs" => graph.unary(Unary::Abs, a),
-        "sin" => graph.wave(Wave::Sin, a),
-        "cos" => graph.wave(Wave::Cos, a),
-        "acos" => graph.unary(Unary::Acos, a),
-        "exp" => graph.unary(Unary::Exp, a),
-        "ln" => graph.unary(Unary::Ln, a),
-        "min" => fold(Binary::Min, graph),
-        "max" => fold(Binary::Max, graph),
-        "atan2" => graph.binary(Binary::Atan2 { lifted: false }, a, arguments[1]),
-        "pow" => graph.pow(a, arguments[1]),
-        _ => unreachable!("every entry of FUNCTIONS is lowered"),
-    })
-}
-
-fn unknown_function(name: &str) -> Complaint {
-    let name = name.to_owned();
-    Box::new(move |span| {
-        let diagnostic = Diagnostic::new(span, format!("unknown function `{name}`"));
-        if NAMES.contains(&name.as_str()) {
-            return diagnostic
-                .label("this is a value, not a function")
-                .help(format!("to multiply, write `{name}*(…)`"));
-        }
-        let known: Vec<&str> = FUNCTIONS.iter().map(|&(function, ..)| function).collect();
-        let list = format!("known functions are {}", known.join(", "));
-        diagnostic.label("not known here").help(match did_you_mean(&name, known) {
-            Some(candidate) => format!("did you mean `{candidate}`? {list}"),
-            None => list,
-        })
-    })
-}
-
-fn wrong_count(name: &str, least: usize, most: usize, found: usize) -> Complaint {
-    let wanted = match (least, most) {
-        (1, 1) => "1 argument".to_owned(),
-        (n, m) if n == m => format!("{n} arguments"),
-        (n, _) => format!("at least {n} arguments"),
-    };
-    let message = format!("`{name}` takes {wanted}, not {found}");
-    let help = match name {
-        "atan2" => Some("write `atan2(y, x)`".to_owned()),
-        "pow" => Some("write `pow(base, exponent)` or `base^exponent`".to_owned()),
-        _ => None,
-    };
-    Box::new(move |span| Diagnostic {
-        help: help.clone(),
-        ..Diagnostic::new(span, message.clone())
-    })
-}
-
-/// The constant that a decimal literal means: exact where an f64 holds it.
-fn decimal(text: &str) -> Constant {
-    let value: f64 = text.parse().unwrap_or(f64::NAN);
-    if is_dyadic(text) { Constant::exact(value) } else { Constant::rounded(value) }
-}
-
-/// Whether an f64 holds a literal m·10ᵉ: no 5 may be left in the denominator, and the odd part of
-/// the numerator must fit the fraction.
-fn is_dyadic(text: &str) -> bool {
-    let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
-    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
-    let digits = format!("{whole}{fraction}");
-    let (Ok(mut m), Ok(exponent)) = (digits.parse::<u128>(), exponent.parse::<i32>()) else {
-        return false;
-    };
-    if m == 0 {
-        return true;
-    }
-    let mut fives = i64::from(exponent) - fraction.len() as i64;
-    while fives < 0 && m.is_multiple_of(5) {
-        m /= 5;
-        fives += 1;
-    }
-    let odd = m >> m.trailing_zeros();
-    (0..=22).contains(&fives)
-        && exponent.abs() < 250
-        && odd.checked_mul(5_u128.pow(fives as u32)).is_some_and(|v| v < 1 << 53)
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn literals_are_exact_where_they_can_be() {
-        for text in ["0", "1", "0.5", ".25", "3.", "1e3", "12.125", "5e-1", "1e22", "0.0"] {
-            assert!(decimal(text).as_exact().is_some(), "{text}");
-        }
-        for text in ["0.1", "2.3", "1e-1", "1e23", "9007199254740993", "0.42"] {
-            let c = decimal(text);
-            assert!(c.lo < c.value && c.value < c.hi, "{text}");
-        }
-    }
-}
+#[path = "resolve_tests.rs"]
+mod tests;

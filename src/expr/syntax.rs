@@ -55,8 +55,8 @@ impl Quote<'_> {
             return Diagnostic::new(found.span.clone(), format!("`{here}` cannot stand here"));
         };
         let before = self.of(last);
-        let help = match found.kind {
-            Kind::Bar => format!("write `{before}*|...|` for a product with an absolute value"),
+        let help = match last.kind {
+            Kind::Bar => format!("write `|…|*{here}` for a product with an absolute value"),
             _ => format!("write `{before}*{here}` for a product"),
         };
         Diagnostic::new(
@@ -66,14 +66,36 @@ impl Quote<'_> {
         .label("how are these combined?")
         .help(help)
     }
+
+    /// An equation or a comparison as a part of something.
+    pub(super) fn relation_in_brackets(&self, sign: Range<usize>) -> Diagnostic {
+        let text = &self.text[sign.clone()];
+        let help = match text {
+            "=" => "an equation stands alone: close every bracket before the `=`".to_owned(),
+            _ => format!(
+                "a comparison stands alone; inside max, min and the like write a difference that is \
+                 negative inside: `a - b` for `a {text} b`"
+            ),
+        };
+        Diagnostic::new(sign, format!("`{text}` stands inside brackets"))
+            .label("a bracket is still open here")
+            .help(if matches!(text, ">" | ">=" | "≥" | "⩾") {
+                help.replace("`a - b`", "`b - a`")
+            } else {
+                help
+            })
+    }
 }
 
 /// The formula ends, or the bracket around this one closes, before `open` does.
 pub(super) fn never_closed(open: &Range<usize>, is_bar: bool) -> Diagnostic {
-    let (opening, closing) = if is_bar { ("|", "|") } else { ("(", ")") };
+    let (opening, help) = match is_bar {
+        true => ("|", "add the missing `|`; inside bars write products with `*`, as in |2*|x||"),
+        false => ("(", "add the missing `)`"),
+    };
     Diagnostic::new(open.clone(), format!("`{opening}` is never closed"))
         .label("opened here")
-        .help(format!("add the missing `{closing}`"))
+        .help(help)
 }
 
 pub(super) fn stray_close(span: Range<usize>) -> Diagnostic {
@@ -94,10 +116,35 @@ pub(super) fn second_equals(span: Range<usize>) -> Diagnostic {
         .help("write each equation as a surface of its own")
 }
 
-pub(super) fn equals_in_brackets(span: Range<usize>) -> Diagnostic {
-    Diagnostic::new(span, "`=` stands inside brackets")
-        .label("a bracket is still open here")
-        .help("an equation stands alone: close every bracket before the `=`")
+pub(super) fn second_relation(span: Range<usize>) -> Diagnostic {
+    Diagnostic::new(span, "a formula has one `=`, `<=` or `>=` at most")
+        .label("the second one")
+        .help("where several hold at once, `a <= b <= c` say, write max(a - b, b - c) <= 0")
+}
+
+/// A product without a sign where it has two meanings.
+pub(super) fn two_ways(span: Range<usize>, first: &str, second: &str) -> Diagnostic {
+    Diagnostic::new(span, "this can be read in two ways")
+        .label("what belongs together here?")
+        .help(format!("write `{first}` or `{second}`"))
+}
+
+/// `sin x`
+pub(super) fn bare_function(span: Range<usize>, name: &str) -> Diagnostic {
+    Diagnostic::new(span, format!("the argument of `{name}` needs parentheses"))
+        .label(format!("`{name}` is a function"))
+        .help(format!("write `{name}(…)`"))
+}
+
+/// `sin⁻¹(x)`
+pub(super) fn inverse_or_reciprocal(span: Range<usize>, name: &str) -> Diagnostic {
+    let inverse = match name {
+        "sin" | "cos" | "tan" => format!("`a{name}(…)`"),
+        _ => "the name of the inverse function".to_owned(),
+    };
+    Diagnostic::new(span, "this can be the inverse function or the reciprocal")
+        .label(format!("what does it do to `{name}`?"))
+        .help(format!("write {inverse} or `1/{name}(…)`"))
 }
 
 pub(super) fn too_deep(span: Range<usize>, limit: usize) -> Diagnostic {

@@ -32,10 +32,12 @@ pub enum Instruction {
 #[derive(Clone, Debug)]
 pub struct Tape {
     nodes: Vec<Node>,
+    roots: Vec<Id>,
     instructions: Vec<Instruction>,
     n_slots: u32,
-    result: u32,
     n_choices: u32,
+    result: u32,
+    region: Option<u32>,
 }
 
 /// The outcome of every choice of a tape on one box, in the order of its instructions.
@@ -53,10 +55,12 @@ pub enum Choice {
 const N_VARIABLES: u32 = 3;
 
 impl Tape {
-    /// Schedules what `root` needs.
+    /// Schedules what `root` needs, and what `region` does if there is one: a second result that
+    /// is at most 0 where the first one counts.
     #[must_use]
-    pub fn new(nodes: &[Node], root: Id) -> Self {
-        Self::allocate(prune(nodes, root))
+    pub fn new(nodes: &[Node], root: Id, region: Option<Id>) -> Self {
+        let roots: Vec<Id> = [root].into_iter().chain(region).collect();
+        Self::allocate(prune(nodes, &roots))
     }
 
     /// The steps in order.
@@ -77,13 +81,20 @@ impl Tape {
         self.result as usize
     }
 
-    /// Number of minima, maxima and absolute values.
+    /// The slot with the region's value, if there is a region.
     #[must_use]
-    pub fn n_choices(&self) -> usize {
-        self.n_choices as usize
+    pub fn region(&self) -> Option<usize> {
+        self.region.map(|slot| slot as usize)
     }
 
-    /// The tape for a box on which the choices went as given, one for each in order.
+    /// Number of minima, maxima and absolute values, and one if there is a region.
+    #[must_use]
+    pub fn n_choices(&self) -> usize {
+        self.n_choices as usize + usize::from(self.region.is_some())
+    }
+
+    /// The tape for a box on which the choices went as given, one for each in order. If there is a
+    /// region it is the last choice, and `First` where it holds the whole box.
     ///
     /// # Panics
     /// If `choices` ends before the tape's choices do.
@@ -112,13 +123,16 @@ impl Tape {
                 }
             });
         }
-        let root = moved.last().copied().unwrap_or(0);
-        Self::allocate(prune(&nodes, root))
+        let mut roots: Vec<Id> = self.roots.iter().map(|&root| moved[root as usize]).collect();
+        if choices.next() == Some(Choice::First) {
+            roots.truncate(1);
+        }
+        Self::allocate(prune(&nodes, &roots))
     }
 
     /// Gives every result a slot that is free from then until its last use.
-    fn allocate(nodes: Vec<Node>) -> Self {
-        let last_use = last_uses(&nodes);
+    fn allocate((nodes, roots): (Vec<Node>, Vec<Id>)) -> Self {
+        let last_use = last_uses(&nodes, &roots);
         let mut slot_of: Vec<u32> = vec![0; nodes.len()];
         let mut free: Vec<u32> = Vec::new();
         let mut n_slots = N_VARIABLES;
@@ -147,8 +161,9 @@ impl Tape {
             instructions.push(instruction(&nodes, node, &slot_of, out));
         }
         let n_choices = nodes.iter().filter(|node| is_choice(node)).count() as u32;
-        let result = slot_of.last().copied().unwrap_or(0);
-        Self { nodes, instructions, n_slots, result, n_choices }
+        let result = slot_of[roots[0] as usize];
+        let region = roots.get(1).map(|&root| slot_of[root as usize]);
+        Self { nodes, roots, instructions, n_slots, n_choices, result, region }
     }
 }
 
@@ -170,15 +185,13 @@ fn reads(nodes: &[Node], node: Node) -> impl Iterator<Item = Id> {
     node.operands().take(from_slots)
 }
 
-/// The last reader of every node; the root is read after the end.
-fn last_uses(nodes: &[Node]) -> Vec<Option<usize>> {
+/// The last reader of every node; the roots are read after the end.
+fn last_uses(nodes: &[Node], roots: &[Id]) -> Vec<Option<usize>> {
     let mut last = vec![None; nodes.len()];
     for (id, &node) in nodes.iter().enumerate() {
         reads(nodes, node).for_each(|operand| last[operand as usize] = Some(id));
     }
-    if let Some(root) = last.last_mut() {
-        *root = Some(usize::MAX);
-    }
+    roots.iter().for_each(|&root| last[root as usize] = Some(usize::MAX));
     last
 }
 
@@ -196,7 +209,12 @@ fn instruction(nodes: &[Node], node: Node, slot_of: &[u32], out: u32) -> Instruc
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expr::Graph;
+    use crate::{
+        eval::Machine,
+        expr::Graph,
+        math::{Notes, Point, Wave},
+    };
+    use proptest::prelude::*;
 
     /// max(x, y) + |z| with x above y and z negative.
     #[test]
@@ -206,7 +224,7 @@ mod tests {
         let max = g.binary(Binary::Max, x, y);
         let abs = g.unary(Unary::Abs, z);
         let sum = g.add(max, abs);
-        let tape = Tape::new(g.nodes(), sum);
+        let tape = Tape::new(g.nodes(), sum, None);
         assert_eq!(tape.n_choices(), 2);
         let short = tape.shortened([Choice::First, Choice::Second]);
         assert_eq!(short.n_choices(), 0);
@@ -224,9 +242,20 @@ mod tests {
         let support = g.binary(Binary::Max, x, zero);
         let term = g.powi(support, 4);
         let sum = g.add(y, term);
-        let short = Tape::new(g.nodes(), sum).shortened([Choice::Second]);
+        let short = Tape::new(g.nodes(), sum, None).shortened([Choice::Second]);
         assert!(short.instructions().is_empty());
         assert_eq!(short.result(), 1);
+    }
+
+    #[test]
+    fn a_region_that_holds_the_box_is_dropped() {
+        let mut g = Graph::default();
+        let (x, y) = (g.variable(0), g.variable(1));
+        let (f, region) = (g.powi(x, 2), g.powi(y, 2));
+        let tape = Tape::new(g.nodes(), f, Some(region));
+        assert_eq!((tape.n_choices(), tape.result(), tape.region()), (1, 3, Some(4)));
+        let short = tape.shortened([Choice::First]);
+        assert_eq!((short.n_choices(), short.region(), short.instructions().len()), (0, None, 1));
     }
 
     #[test]
@@ -238,14 +267,80 @@ mod tests {
             let square = g.powi(sum, 2);
             sum = g.add(square, x);
         }
-        assert_eq!(Tape::new(g.nodes(), sum).n_slots(), 4);
+        assert_eq!(Tape::new(g.nodes(), sum, None).n_slots(), 4);
+    }
+
+    /// A graph of random operations on the coordinates, constants and earlier results.
+    fn random_graph(seeds: &[(u8, u8, u8)]) -> (Graph, Id) {
+        let mut g = Graph::default();
+        let mut ids: Vec<Id> = (0..3).map(|axis| g.variable(axis)).collect();
+        ids.extend([-1.5, 0.0, 3.0].map(|v| g.constant(Constant::exact(v))));
+        for &(op, a, b) in seeds {
+            // Recent results are taken often, so that programs grow deep.
+            let pick = |i: u8| ids[ids.len() - 1 - usize::from(i) % ids.len().min(9)];
+            let (a, b) = (pick(a), pick(b));
+            ids.push(match op % 14 {
+                0 => g.add(a, b),
+                1 => g.sub(a, b),
+                2 => g.mul(a, b),
+                3 => g.div(a, b),
+                4 => g.binary(Binary::Min, a, b),
+                5 => g.binary(Binary::Max, a, b),
+                6 => g.binary(Binary::Atan2 { lifted: false }, a, b),
+                7 => g.binary(Binary::Harmonic { wave: Wave::Cos, n: 5 }, a, b),
+                8 => g.unary(Unary::Sqrt, a),
+                9 => g.unary(Unary::Abs, a),
+                10 => g.wave(Wave::Sin, a),
+                11 => g.powi(a, i32::from(b as u8 % 5)),
+                12 => g.unary(Unary::Exp, a),
+                _ => g.unary(Unary::Neg, a),
+            });
+        }
+        (g, ids[ids.len() - 1])
+    }
+
+    /// Every node's value, one after the other.
+    fn naive_value(nodes: &[Node], root: Id, p: [f64; 3]) -> f64 {
+        let mut values: Vec<f64> = Vec::new();
+        for node in nodes {
+            let mut slots = [[Point(0.0)]; 2];
+            for (slot, operand) in slots.iter_mut().zip(node.operands()) {
+                *slot = [Point(values[operand as usize])];
+            }
+            let mut notes = [Notes::clear::<f64>(())];
+            match *node {
+                Node::Variable(axis) => slots[0] = [Point(p[usize::from(axis)])],
+                Node::Constant(c) => slots[0] = [Point(c.value)],
+                Node::Unary(op, _) => op.apply(&mut slots, &mut notes, (0, 0)),
+                Node::Binary(op, ..) => op.apply(&mut slots, &mut notes, (0, 1, 0)),
+            }
+            values.push(slots[0][0].0);
+        }
+        values[root as usize]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+        #[test]
+        fn slots_hold_what_the_nodes_mean(
+            seeds in prop::collection::vec(any::<(u8, u8, u8)>(), 1..60),
+            p in [-2.0..2.0_f64, -2.0..2.0_f64, -2.0..2.0_f64],
+        ) {
+            let (graph, root) = random_graph(&seeds);
+            let tape = Tape::new(graph.nodes(), root, None);
+            let mut machine = Machine::<Point<f64>, 1>::default();
+            machine.run((), &tape, &p.map(|v| [Point(v)]), false);
+            let (got, want) = (machine.slot(tape.result())[0].0, naive_value(graph.nodes(), root, p));
+            prop_assert!(got.to_bits() == want.to_bits() || (got.is_nan() && want.is_nan()));
+        }
     }
 
     #[test]
     fn a_constant_formula_has_a_tape() {
         let mut g = Graph::default();
         let c = g.constant(Constant::exact(2.5));
-        let tape = Tape::new(g.nodes(), c);
+        let tape = Tape::new(g.nodes(), c, None);
         assert!(matches!(tape.instructions(), [Instruction::Constant(_, 3)]));
         assert_eq!(tape.result(), 3);
     }

@@ -10,9 +10,10 @@
 //! full turns kept along with the powers tells whether a crest or a trough lies between the two
 //! corners. Only +, −, ×, ÷ and square root are used.
 //!
-//! Error of a harmonic: normalising gives a direction within 3.4 u, and a complex product adds
-//! √5 u (Brent, Percival, Zimmermann, "Error bounds on complex floating-point multiplication",
-//! 2007), so the n-th power is within 3.4 n u + 2.3 n u < 6 n u; the bound used is (8 n + 16) u.
+//! Error of a harmonic: normalising gives a direction within 3.4 u, or 5.2 u where squares lose
+//! bits to underflow just within what is let pass, and a complex product adds √5 u (Brent,
+//! Percival, Zimmermann, "Error bounds on complex floating-point multiplication", 2007), so the
+//! n-th power is within 5.2 n u + 2.3 n u < 8 n u; the bound used is (8 n + 16) u.
 
 use super::{
     elementary::{self, ATAN2_ERROR},
@@ -99,7 +100,8 @@ pub(super) fn atan2<L: Lanes>(
     let hi = L::pick(whole, bound, to + reach);
     // NaN comes from corners at infinity or at the origin.
     let known = lo.eq(lo) & hi.eq(hi);
-    Interval { lo: L::pick(known, lo, -bound), hi: L::pick(known, hi, bound + bound + bound) }
+    let most = if lifted { bound + bound + bound } else { bound };
+    Interval { lo: L::pick(known, lo, -bound), hi: L::pick(known, hi, most) }
 }
 
 /// A unit complex number with the number of whole turns of its angle: the angle is
@@ -167,13 +169,16 @@ impl<L: Lanes> Rotation<L> {
 }
 
 /// The direction of a corner, and the lanes where its length is 1 as it should be: not at the
-/// origin, not where the squares over- or underflow.
+/// origin, not where the squares over- or underflow. Nor may a corner below the x axis end up on
+/// it because its sine underflows: on the negative side it would be a turn away.
 #[inline(always)]
 fn direction<L: Lanes>((x, y): (L, L), turns: L) -> (Rotation<L>, L::Mask) {
     let length = (x * x + y * y).sqrt();
     let (c, s) = (x / length, y / length);
     let excess = (c * c + s * s - x.same(1.0)).abs();
-    (Rotation { c, s, turns }, excess.le(x.same(16.0 * L::Scalar::UNIT)))
+    let zero = x.same(0.0);
+    let raised = y.lt(zero) & zero.le(s);
+    (Rotation { c, s, turns }, excess.le(x.same(8.0 * L::Scalar::UNIT)) & !raised)
 }
 
 /// sin nθ or cos nθ over the box; see [`super::Number::harmonic`].

@@ -5,7 +5,7 @@
 //!
 //! *Based on:* L. Rall, "Automatic Differentiation: Techniques and Applications", 1981.
 
-use super::number::{Constant, MaskOf, NotesOf, Number, Token, Wave};
+use super::number::{Constant, Hyperbolic, MaskOf, Notes, NotesOf, Number, Step, Token, Wave};
 
 /// A value and its partial derivatives with respect to x, y and z.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ impl<N: Number> Dual<N> {
     /// The gradient of the angle of (x, y), y being `self`: (x dy − y dx) / (x² + y²).
     #[inline(always)]
     fn angle_gradient(self, x: Self, notes: &mut NotesOf<Self>) -> [N; 3] {
-        let scale = self.value.square().add(x.value.square()).recip(notes);
+        let scale = recip_in_slope(self.value.square().add(x.value.square()), notes);
         let (along_y, along_x) = (x.value.mul(scale), self.value.mul(scale));
         let turn = self.zip(
             x,
@@ -52,6 +52,25 @@ impl<N: Number> Dual<N> {
         );
         turn.gradient
     }
+}
+
+/// 1 / v as a factor of a derivative: where that is undefined the value itself may be defined, so
+/// only the continuity is noted.
+#[inline(always)]
+fn recip_in_slope<N: Number>(v: N, notes: &mut NotesOf<N>) -> N {
+    let mut of_slope = *notes;
+    let inverse = v.recip(&mut of_slope);
+    notes.discontinuous = of_slope.discontinuous;
+    inverse
+}
+
+/// The derivative of arcsin: 1 / √(1 − v²).
+#[inline(always)]
+fn arc_slope<N: Number>(v: N, notes: &mut NotesOf<N>) -> N {
+    let mut of_slope = *notes;
+    let cosine = v.square().neg().add_constant(&Constant::exact(1.0)).sqrt(&mut of_slope);
+    notes.discontinuous = of_slope.discontinuous;
+    recip_in_slope(cosine, notes)
 }
 
 impl<N: Number> Number for Dual<N> {
@@ -125,7 +144,7 @@ impl<N: Number> Number for Dual<N> {
     #[inline(always)]
     fn sqrt(self, notes: &mut NotesOf<Self>) -> Self {
         let root = self.value.sqrt(notes);
-        self.chain(root, root.add(root).recip(notes))
+        self.chain(root, recip_in_slope(root.add(root), notes))
     }
     #[inline(always)]
     fn abs(self) -> Self {
@@ -167,13 +186,64 @@ impl<N: Number> Number for Dual<N> {
     #[inline(always)]
     fn ln(self, notes: &mut NotesOf<Self>) -> Self {
         let value = self.value.ln(notes);
-        self.chain(value, self.value.recip(notes))
+        self.chain(value, recip_in_slope(self.value, notes))
     }
     #[inline(always)]
     fn acos(self, notes: &mut NotesOf<Self>) -> Self {
         let value = self.value.acos(notes);
-        let sine = self.value.square().neg().add_constant(&Constant::exact(1.0)).sqrt(notes);
-        self.chain(value, sine.recip(notes).neg())
+        let slope = arc_slope(self.value, notes);
+        self.chain(value, slope.neg())
+    }
+    #[inline(always)]
+    fn asin(self, notes: &mut NotesOf<Self>) -> Self {
+        let value = self.value.asin(notes);
+        let slope = arc_slope(self.value, notes);
+        self.chain(value, slope)
+    }
+    #[inline(always)]
+    fn atan(self) -> Self {
+        let mut of_slope = Notes::clear::<N::Lanes>(self.token());
+        let one = Constant::exact(1.0);
+        let slope = self.value.square().add_constant(&one).recip(&mut of_slope);
+        self.chain(self.value.atan(), slope)
+    }
+    #[inline(always)]
+    fn tan(self, notes: &mut NotesOf<Self>) -> Self {
+        let value = self.value.tan(notes);
+        self.chain(value, value.square().add_constant(&Constant::exact(1.0)))
+    }
+    #[inline(always)]
+    fn hyperbolic(self, function: Hyperbolic) -> Self {
+        let value = self.value.hyperbolic(function);
+        let slope = match function {
+            Hyperbolic::Sinh => self.value.hyperbolic(Hyperbolic::Cosh),
+            Hyperbolic::Cosh => self.value.hyperbolic(Hyperbolic::Sinh),
+            Hyperbolic::Tanh => value.square().neg().add_constant(&Constant::exact(1.0)),
+        };
+        self.chain(value, slope)
+    }
+    #[inline(always)]
+    fn cbrt(self) -> Self {
+        let mut of_slope = Notes::clear::<N::Lanes>(self.token());
+        let root = self.value.cbrt();
+        let slope = root.square().mul_constant(&Constant::exact(3.0)).recip(&mut of_slope);
+        self.chain(root, slope)
+    }
+    #[inline(always)]
+    fn step(self, step: Step, notes: &mut NotesOf<Self>) -> Self {
+        // Between the jumps; a jump itself is noted.
+        let zero = N::constant(self.token(), &Constant::exact(0.0));
+        Self { value: self.value.step(step, notes), gradient: [zero; 3] }
+    }
+    #[inline(always)]
+    fn smoothstep(self) -> Self {
+        // 6 t (1 − t) = 3/2 − 6 (t − 1/2)²
+        let token = self.token();
+        let [zero, one] = [0.0, 1.0].map(|v| N::constant(token, &Constant::exact(v)));
+        let t = self.value.max(zero).min(one);
+        let from_middle = t.add_constant(&Constant::exact(-0.5)).square();
+        let slope = from_middle.mul_constant(&Constant::exact(-6.0));
+        self.chain(self.value.smoothstep(), slope.add_constant(&Constant::exact(1.5)))
     }
     #[inline(always)]
     fn atan2(self, x: Self, lifted: bool, notes: &mut NotesOf<Self>) -> Self {

@@ -14,9 +14,13 @@
 
 use super::{
     angle,
-    elementary::{self, ACOS_ERROR, EXP_ERROR, LN_ERROR, TRIG_ERROR},
+    elementary::{
+        self, ACOS_ERROR, ATAN2_ERROR, CBRT_ERROR, EXP_ERROR, HYPERBOLIC_ERROR, LN_ERROR,
+        TRIG_ERROR,
+    },
     lanes::{Lanes, Scalar},
-    number::{Constant, MaskOf, NotesOf, Number, Token, Wave},
+    number::{Constant, Hyperbolic, MaskOf, Notes, NotesOf, Number, Step, Token, Wave},
+    point::{smooth_step, step_function},
 };
 
 /// All reals between two bounds, in every lane.
@@ -36,7 +40,9 @@ fn margin<L: Lanes>(c: L, units: f64) -> L {
     c.abs() * c.same(phi) + c.same(units * L::Scalar::TINY)
 }
 
-/// A lower bound of a value whose computed form is c, at most `units` roundings away.
+/// A lower bound of a value whose computed form is c. One correctly rounded operation needs one
+/// unit; a computed value with a larger error needs that error in units of u and one unit more,
+/// because this difference is rounded itself.
 #[inline(always)]
 fn lower_by<L: Lanes>(c: L, units: f64) -> L {
     // A computed +∞ is an overflow: the value is above the largest number.
@@ -44,7 +50,7 @@ fn lower_by<L: Lanes>(c: L, units: f64) -> L {
     c - margin(c, units)
 }
 
-/// An upper bound of a value whose computed form is c, at most `units` roundings away.
+/// An upper bound of a value whose computed form is c; see [`lower_by`].
 #[inline(always)]
 fn upper_by<L: Lanes>(c: L, units: f64) -> L {
     let c = c.max(c.same(-L::Scalar::MAX));
@@ -98,10 +104,30 @@ impl<L: Lanes> Interval<L> {
         Self { lo: self.lo.max(least).min(most), hi: self.hi.min(most).max(least) }
     }
 
+    /// Notes what is outside the domain of arcsin and arccos.
+    #[inline(always)]
+    fn note_beyond_one(self, notes: &mut NotesOf<Self>) {
+        let one = self.lo.same(1.0);
+        let partial = self.lo.lt(-one) | one.lt(self.hi);
+        notes.discontinuous = notes.discontinuous | partial;
+        notes.partial = notes.partial | partial;
+        notes.undefined = notes.undefined | self.hi.lt(-one) | one.lt(self.lo);
+    }
+
     #[inline(always)]
     fn hull(self, b: Self) -> Self {
         Self { lo: self.lo.min(b.lo), hi: self.hi.max(b.hi) }
     }
+}
+
+/// The tangent of the numbers in `x`, which are within the limit.
+#[inline(always)]
+fn tan_at<L: Lanes>(x: L) -> Interval<L> {
+    let error = x.same((TRIG_ERROR + 1.0) * L::Scalar::UNIT);
+    let (s, c) = (elementary::sin(x), elementary::cos(x));
+    let (s, c) =
+        (Interval { lo: s - error, hi: s + error }, Interval { lo: c - error, hi: c + error });
+    s.mul(c.recip(&mut Notes::clear::<L>(x.token())))
 }
 
 /// Whether a whole number plus `phase` lies between two numbers.
@@ -169,9 +195,10 @@ impl<L: Lanes> Number for Interval<L> {
         let (zero, one) = (self.zero(), self.lo.same(1.0));
         let pole = self.contains_zero();
         notes.discontinuous = notes.discontinuous | pole;
-        notes.undefined = notes.undefined | (self.lo.eq(zero) & self.hi.eq(zero));
-        let unbounded_below = pole & self.lo.lt(zero);
-        let unbounded_above = pole & zero.lt(self.hi);
+        let only_zero = self.lo.eq(zero) & self.hi.eq(zero);
+        notes.undefined = notes.undefined | only_zero;
+        let unbounded_below = (pole & self.lo.lt(zero)) | only_zero;
+        let unbounded_above = (pole & zero.lt(self.hi)) | only_zero;
         let entire = Self::entire(zero);
         Self {
             lo: L::pick(unbounded_below, entire.lo, lower(one / self.hi)),
@@ -188,7 +215,8 @@ impl<L: Lanes> Number for Interval<L> {
 
     #[inline(always)]
     fn powi(self, n: u32) -> Self {
-        let units = f64::from(n);
+        // (n − 1) u is the error to first order; (n u)² covers the rest.
+        let units = f64::from(n) * (1.0 + f64::from(n) * L::Scalar::UNIT);
         if n == 1 {
             self
         } else if n.is_multiple_of(2) {
@@ -204,7 +232,9 @@ impl<L: Lanes> Number for Interval<L> {
     #[inline(always)]
     fn sqrt(self, notes: &mut NotesOf<Self>) -> Self {
         let zero = self.zero();
-        notes.discontinuous = notes.discontinuous | self.lo.lt(zero);
+        let below = self.lo.lt(zero);
+        notes.discontinuous = notes.discontinuous | below;
+        notes.partial = notes.partial | below;
         notes.undefined = notes.undefined | self.hi.lt(zero);
         Self { lo: lower(self.lo.max(zero).sqrt()).max(zero), hi: upper(self.hi.max(zero).sqrt()) }
     }
@@ -238,7 +268,8 @@ impl<L: Lanes> Number for Interval<L> {
             Wave::Sin => (elementary::sin(inner.lo), elementary::sin(inner.hi)),
             Wave::Cos => (elementary::cos(inner.lo), elementary::cos(inner.hi)),
         };
-        let error = one.same(TRIG_ERROR * L::Scalar::UNIT);
+        // One unit more for the rounding of the bounds themselves.
+        let error = one.same((TRIG_ERROR + 1.0) * L::Scalar::UNIT);
         let (least, most) = (a.min(b) - error, a.max(b) + error);
 
         let turns = one.same(0.5 * std::f64::consts::FRAC_1_PI);
@@ -267,11 +298,14 @@ impl<L: Lanes> Number for Interval<L> {
         Self { lo: lower_by(lo, units).max(zero), hi: upper_by(hi, units) }
     }
 
+    /// At zero the logarithm counts as defined, with the limit −∞ for its value, so that powers,
+    /// which are exponentials of logarithms, are 0 at zero.
     #[inline(always)]
     fn ln(self, notes: &mut NotesOf<Self>) -> Self {
         let zero = self.zero();
         notes.discontinuous = notes.discontinuous | self.lo.le(zero);
-        notes.undefined = notes.undefined | self.hi.le(zero);
+        notes.partial = notes.partial | self.lo.lt(zero);
+        notes.undefined = notes.undefined | self.hi.lt(zero);
         let tiny = zero.same(L::Scalar::TINY);
         let units = LN_ERROR + 2.0;
         let lo = lower_by(elementary::ln(self.lo.max(tiny)), units);
@@ -281,15 +315,112 @@ impl<L: Lanes> Number for Interval<L> {
 
     #[inline(always)]
     fn acos(self, notes: &mut NotesOf<Self>) -> Self {
-        let one = self.lo.same(1.0);
-        let partial = self.lo.lt(-one) | one.lt(self.hi);
-        notes.discontinuous = notes.discontinuous | partial;
-        notes.undefined = notes.undefined | self.hi.lt(-one) | one.lt(self.lo);
+        self.note_beyond_one(notes);
         let inner = self.clamped(-1.0, 1.0);
         let units = ACOS_ERROR + 2.0;
         Self {
             lo: lower_by(elementary::acos(inner.hi), units).max(self.zero()),
             hi: upper_by(elementary::acos(inner.lo), units),
+        }
+    }
+
+    #[inline(always)]
+    fn asin(self, notes: &mut NotesOf<Self>) -> Self {
+        self.note_beyond_one(notes);
+        let inner = self.clamped(-1.0, 1.0);
+        let units = ACOS_ERROR + 2.0;
+        Self {
+            lo: lower_by(elementary::asin(inner.lo), units),
+            hi: upper_by(elementary::asin(inner.hi), units),
+        }
+    }
+
+    #[inline(always)]
+    fn atan(self) -> Self {
+        let units = ATAN2_ERROR + 2.0;
+        // The arc tangent of ∞ is the limit, which is reached there to the last place.
+        let largest = self.lo.same(L::Scalar::MAX);
+        Self {
+            lo: lower_by(elementary::atan(self.lo.max(-largest)), units),
+            hi: upper_by(elementary::atan(self.hi.min(largest)), units),
+        }
+    }
+
+    /// Between two poles the tangent rises. Its values at the bounds are quotients of enclosures
+    /// of sine and cosine, because near a pole the relative error of the cosine is large.
+    #[inline(always)]
+    fn tan(self, notes: &mut NotesOf<Self>) -> Self {
+        let one = self.lo.same(1.0);
+        let half_turns = one.same(std::f64::consts::FRAC_1_PI);
+        let (from, to) = (self.lo * half_turns, self.hi * half_turns);
+        let e = (from.abs().max(to.abs()) + one) * one.same(8.0 * L::Scalar::UNIT);
+        let limit = elementary::trig_limit::<L::Scalar>();
+        let inner = self.clamped(-limit, limit);
+        let far = self.lo.lt(one.same(-limit)) | one.same(limit).lt(self.hi);
+        let pole = far | holds_phase(from - e, to + e, 0.5);
+        notes.discontinuous = notes.discontinuous | pole;
+        let (lo, hi) = (tan_at(inner.lo), tan_at(inner.hi));
+        let entire = Self::entire(one);
+        Self { lo: L::pick(pole, entire.lo, lo.lo), hi: L::pick(pole, entire.hi, hi.hi) }
+    }
+
+    /// Beyond the limit the functions are unbounded for f32 or f64; the safe bound on the near side
+    /// is the value at the limit.
+    #[inline(always)]
+    fn hyperbolic(self, function: Hyperbolic) -> Self {
+        let units = HYPERBOLIC_ERROR + 2.0;
+        let (one, entire) = (self.lo.same(1.0), Self::entire(self.lo));
+        let limit = elementary::exp_limits::<L::Scalar>().1;
+        let inner = self.clamped(-limit, limit);
+        let limit = one.same(limit);
+        match function {
+            Hyperbolic::Sinh => {
+                let lo = lower_by(elementary::sinh(inner.lo), units);
+                let hi = upper_by(elementary::sinh(inner.hi), units);
+                Self {
+                    lo: L::pick(self.lo.lt(-limit), entire.lo, lo),
+                    hi: L::pick(limit.lt(self.hi), entire.hi, hi),
+                }
+            }
+            Hyperbolic::Cosh => {
+                let (least, most) = inner.magnitudes();
+                let unbounded = self.lo.lt(-limit) | limit.lt(self.hi);
+                let hi = upper_by(elementary::cosh(most), units);
+                Self {
+                    lo: lower_by(elementary::cosh(least), units).max(one),
+                    hi: L::pick(unbounded, entire.hi, hi),
+                }
+            }
+            Hyperbolic::Tanh => Self {
+                lo: lower_by(elementary::tanh(self.lo), units).max(-one),
+                hi: upper_by(elementary::tanh(self.hi), units).min(one),
+            },
+        }
+    }
+
+    #[inline(always)]
+    fn cbrt(self) -> Self {
+        let units = CBRT_ERROR + 2.0;
+        Self {
+            lo: lower_by(elementary::cbrt(self.lo), units),
+            hi: upper_by(elementary::cbrt(self.hi), units),
+        }
+    }
+
+    /// Steps rise and are exact; the function jumps where the two bounds differ.
+    #[inline(always)]
+    fn step(self, step: Step, notes: &mut NotesOf<Self>) -> Self {
+        let (lo, hi) = (step_function(step, self.lo), step_function(step, self.hi));
+        notes.discontinuous = notes.discontinuous | lo.lt(hi);
+        Self { lo, hi }
+    }
+
+    #[inline(always)]
+    fn smoothstep(self) -> Self {
+        let (zero, one) = (self.zero(), self.lo.same(1.0));
+        Self {
+            lo: lower_by(smooth_step(self.lo), 4.0).max(zero),
+            hi: upper_by(smooth_step(self.hi), 4.0).min(one),
         }
     }
 

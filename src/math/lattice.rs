@@ -43,8 +43,8 @@ impl Lattice {
     pub const MAX_RESOLUTION: u32 = 1 << 20;
 
     /// Cuts `domain` into cubes, `resolution` of them along the longest axis. The other axes get
-    /// as many as cover them; where that is not a whole number the lattice overhangs equally on
-    /// both sides.
+    /// as many as cover them, to 12 digits; where that is not a whole number the lattice overhangs
+    /// equally on both sides.
     ///
     /// # Panics
     /// If the domain is empty or not finite, or `resolution` is 0 or above

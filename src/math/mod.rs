@@ -16,6 +16,8 @@ pub use interval::Interval;
 pub use lanes::{Lanes, Mask, Scalar, SimdLevel, SimdTask};
 pub use lattice::{Aabb, Lattice};
 pub use morton::{child_of, morton_decode, morton_encode};
-pub use number::{Constant, MaskOf, Notes, NotesOf, Number, ScalarOf, Token, Wave};
+pub use number::{
+    Constant, Hyperbolic, MaskOf, Notes, NotesOf, Number, ScalarOf, Step, Token, Wave,
+};
 pub use operation::{Binary, Slot, Unary};
 pub use point::Point;

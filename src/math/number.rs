@@ -52,11 +52,37 @@ pub enum Wave {
     Cos,
 }
 
+/// A function that is constant but for jumps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Step {
+    /// The largest integer not above.
+    Floor,
+    /// The smallest integer not below.
+    Ceil,
+    /// The nearest integer, halves away from zero.
+    Round,
+    /// −1, 0 or 1.
+    Sign,
+}
+
+/// A hyperbolic function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Hyperbolic {
+    /// sinh
+    Sinh,
+    /// cosh
+    Cosh,
+    /// tanh
+    Tanh,
+}
+
 /// What evaluation learnt about the boxes of one vector besides the values, per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Notes<M> {
     /// The formula is undefined everywhere in the box: it cannot meet a surface.
     pub undefined: M,
+    /// The formula may be undefined in a part of the box, and not just on a surface such as a pole.
+    pub partial: M,
     /// The formula was not shown to be defined and continuous everywhere in the box: a change of
     /// sign there proves nothing.
     pub discontinuous: M,
@@ -67,7 +93,7 @@ impl<M: Mask> Notes<M> {
     #[inline(always)]
     pub fn clear<L: Lanes<Mask = M>>(token: L::Token) -> Self {
         let none = L::splat_mask(token, false);
-        Self { undefined: none, discontinuous: none }
+        Self { undefined: none, partial: none, discontinuous: none }
     }
 }
 
@@ -130,12 +156,33 @@ pub trait Number: Copy + 'static {
     /// eᵃ
     #[must_use]
     fn exp(self) -> Self;
-    /// ln a
+    /// ln a, with ln 0 = −∞
     #[must_use]
     fn ln(self, notes: &mut NotesOf<Self>) -> Self;
     /// arccos a
     #[must_use]
     fn acos(self, notes: &mut NotesOf<Self>) -> Self;
+    /// arcsin a
+    #[must_use]
+    fn asin(self, notes: &mut NotesOf<Self>) -> Self;
+    /// arctan a
+    #[must_use]
+    fn atan(self) -> Self;
+    /// tan a
+    #[must_use]
+    fn tan(self, notes: &mut NotesOf<Self>) -> Self;
+    /// sinh a, cosh a or tanh a.
+    #[must_use]
+    fn hyperbolic(self, function: Hyperbolic) -> Self;
+    /// The real cube root of a.
+    #[must_use]
+    fn cbrt(self) -> Self;
+    /// A function that jumps.
+    #[must_use]
+    fn step(self, step: Step, notes: &mut NotesOf<Self>) -> Self;
+    /// t²(3 − 2t) with t = a cut to [0, 1]: rises smoothly from 0 to 1.
+    #[must_use]
+    fn smoothstep(self) -> Self;
     /// The angle of (x, y) in [−π, π], y being `self`. Where `lifted`, the angle may leave that
     /// range by whole turns so that it is continuous across the cut: such a value may only reach
     /// functions of period 2π.

@@ -3,7 +3,7 @@
 //! A slot holds G vectors, so that one look at an operation pays for many boxes: the loop over the
 //! vectors is inside every case.
 
-use super::number::{Constant, NotesOf, Number, Wave};
+use super::number::{Constant, Hyperbolic, NotesOf, Number, Step, Wave};
 
 /// An operation on one operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -28,6 +28,20 @@ pub enum Unary {
     Ln,
     /// arccos a
     Acos,
+    /// arcsin a
+    Asin,
+    /// arctan a
+    Atan,
+    /// tan a
+    Tan,
+    /// sinh a, cosh a or tanh a
+    Hyperbolic(Hyperbolic),
+    /// The real cube root
+    Cbrt,
+    /// ⌊a⌋ and the like
+    Step(Step),
+    /// t²(3 − 2t), t = a cut to [0, 1]
+    Smoothstep,
 }
 
 /// An operation on two operands.
@@ -178,6 +192,69 @@ impl Unary {
                 at,
                 #[inline(always)]
                 |a, n| a.acos(n),
+            ),
+            Self::Asin => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, n| a.asin(n),
+            ),
+            Self::Atan => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.atan(),
+            ),
+            Self::Tan => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, n| a.tan(n),
+            ),
+            Self::Hyperbolic(Hyperbolic::Sinh) => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.hyperbolic(Hyperbolic::Sinh),
+            ),
+            Self::Hyperbolic(Hyperbolic::Cosh) => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.hyperbolic(Hyperbolic::Cosh),
+            ),
+            Self::Hyperbolic(Hyperbolic::Tanh) => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.hyperbolic(Hyperbolic::Tanh),
+            ),
+            Self::Cbrt => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.cbrt(),
+            ),
+            Self::Smoothstep => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, _| a.smoothstep(),
+            ),
+            Self::Step(step) => map(
+                slots,
+                notes,
+                at,
+                #[inline(always)]
+                |a, n| a.step(step, n),
             ),
         }
     }

@@ -3,7 +3,7 @@
 use super::{
     elementary,
     lanes::Lanes,
-    number::{Constant, MaskOf, NotesOf, Number, Token, Wave, splat_nearest},
+    number::{Constant, Hyperbolic, MaskOf, NotesOf, Number, Step, Token, Wave, splat_nearest},
 };
 
 /// A value at one point a lane.
@@ -81,6 +81,38 @@ impl<L: Lanes> Number for Point<L> {
         Self(elementary::acos(self.0))
     }
     #[inline(always)]
+    fn asin(self, _: &mut NotesOf<Self>) -> Self {
+        Self(elementary::asin(self.0))
+    }
+    #[inline(always)]
+    fn atan(self) -> Self {
+        Self(elementary::atan(self.0))
+    }
+    #[inline(always)]
+    fn tan(self, _: &mut NotesOf<Self>) -> Self {
+        Self(elementary::sin(self.0) / elementary::cos(self.0))
+    }
+    #[inline(always)]
+    fn hyperbolic(self, function: Hyperbolic) -> Self {
+        Self(match function {
+            Hyperbolic::Sinh => elementary::sinh(self.0),
+            Hyperbolic::Cosh => elementary::cosh(self.0),
+            Hyperbolic::Tanh => elementary::tanh(self.0),
+        })
+    }
+    #[inline(always)]
+    fn cbrt(self) -> Self {
+        Self(elementary::cbrt(self.0))
+    }
+    #[inline(always)]
+    fn step(self, step: Step, _: &mut NotesOf<Self>) -> Self {
+        Self(step_function(step, self.0))
+    }
+    #[inline(always)]
+    fn smoothstep(self) -> Self {
+        Self(smooth_step(self.0))
+    }
+    #[inline(always)]
     fn atan2(self, x: Self, _lifted: bool, _: &mut NotesOf<Self>) -> Self {
         Self(elementary::atan2(self.0, x.0))
     }
@@ -113,6 +145,25 @@ impl<L: Lanes> Number for Point<L> {
         let undecided = Self(L::pick(b.0.le(a.0), q.0, a.0 + b.0));
         Self(L::pick(a.0.lt(b.0), p.0, undecided.0))
     }
+}
+
+/// The value of a function that jumps.
+#[inline(always)]
+pub(super) fn step_function<L: Lanes>(step: Step, v: L) -> L {
+    match step {
+        Step::Floor => v.floor(),
+        Step::Ceil => -((-v).floor()),
+        Step::Round => elementary::round_half_away(v),
+        Step::Sign => elementary::sign(v),
+    }
+}
+
+/// t²(3 − 2t) with t = v cut to [0, 1]; relative error 3 u.
+#[inline(always)]
+pub(super) fn smooth_step<L: Lanes>(v: L) -> L {
+    let t = v.max(v.same(0.0)).min(v.same(1.0));
+    let smooth = t * t * (v.same(3.0) - (t + t));
+    L::pick(v.eq(v), smooth, v)
 }
 
 /// The unit complex number (c, s) to the power n, at least 1.

@@ -176,8 +176,12 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
             let present = (u64::MAX >> (BATCH - 8 * parents.len())) & !outside;
             self.boxes_tested[level as usize] += u64::from(present.count_ones());
             let verdict = self.evaluator.eval(tape, &self.boxes, trace);
-            let inside = verdict.inside & present;
-            let mixed = !verdict.empty & !verdict.inside & present;
+            // A node that is undefined in part is divided until its undefined parts are empty; a
+            // voxel is not divided, and counts as inside for the part that is defined.
+            let voxels = level + 1 == self.depth;
+            let inside = if voxels { verdict.inside_where_defined } else { verdict.inside };
+            let mixed = !verdict.empty & !inside & present;
+            let inside = inside & present;
             for (p, &ijk) in parents.iter().enumerate() {
                 let of_parent = |mask: u64| (mask >> (8 * p)) as u8;
                 self.masks[level as usize].push(of_parent(mixed), of_parent(inside));
