@@ -1,14 +1,16 @@
 //! Mistakes in the user's text, as data. Only the command line prints them.
 
-use std::{ops::Range, path::PathBuf};
+use std::{borrow::Cow, ops::Range, path::PathBuf};
 
 /// One mistake: where it is, what it is, what would be right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
     /// What is wrong, in one sentence without a full stop.
     pub message: String,
-    /// The offending bytes of the source text.
+    /// The offending bytes of the text that `origin` names.
     pub span: Range<usize>,
+    /// Which text that is.
+    pub origin: Origin,
     /// A few words beside the marked text; may be empty.
     pub label: String,
     /// What to do about it.
@@ -18,7 +20,8 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// A mistake at `span` with nothing beside the marked text and no help.
     pub fn new(span: Range<usize>, message: impl Into<String>) -> Self {
-        Self { message: message.into(), span, label: String::new(), help: None }
+        let (label, origin) = (String::new(), Origin::default());
+        Self { message: message.into(), span, origin, label, help: None }
     }
 
     /// Adds words beside the marked text.
@@ -43,13 +46,45 @@ impl Diagnostic {
     }
 }
 
-/// A file that was refused, with every mistake found in it.
-#[derive(Clone, Debug)]
-pub struct Rejection {
+/// Which of the [`Sources`] a span belongs to. The order is that of the texts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Origin {
+    /// The file.
+    #[default]
+    File,
+    /// The setting of this index.
+    Setting(usize),
+}
+
+/// The texts that a scene is made of.
+#[derive(Clone, Debug, Default)]
+pub struct Sources {
     /// The file as the user named it.
     pub path: PathBuf,
-    /// Its text, for the excerpts.
-    pub source: String,
+    /// Its text.
+    pub text: String,
+    /// What was set for this run, as `name=value`.
+    pub settings: Vec<String>,
+}
+
+impl Sources {
+    /// The text that spans of `origin` belong to, and what to call it.
+    #[must_use]
+    pub fn get(&self, origin: Origin) -> (Cow<'_, str>, &str) {
+        match origin {
+            Origin::File => (self.path.to_string_lossy(), &self.text),
+            Origin::Setting(index) => {
+                (Cow::Borrowed("--set"), self.settings.get(index).map_or("", String::as_str))
+            }
+        }
+    }
+}
+
+/// A scene that was refused, with every mistake found in it.
+#[derive(Clone, Debug)]
+pub struct Rejection {
+    /// The texts, for the excerpts.
+    pub sources: Sources,
     /// At least one mistake, in the order of their places.
     pub diagnostics: Vec<Diagnostic>,
 }

@@ -9,7 +9,7 @@ use crate::diagnostic::Rejection;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The scene file says something that cannot be done; every mistake found is listed.
-    #[error("{} is not a valid scene", .0.path.display())]
+    #[error("{} is not a valid scene", .0.sources.path.display())]
     Scene(Box<Rejection>),
 
     /// The scene is well formed, but no voxel of it can meet any of its surfaces.

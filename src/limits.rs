@@ -64,7 +64,12 @@ mod tests {
 
     #[test]
     fn a_picture_larger_than_any_memory_is_refused() {
-        let image = |side| ImageSettings { width: side, height: side, background: None };
+        let image = |side| ImageSettings {
+            width: side,
+            height: side,
+            background: None,
+            lights: Vec::new(),
+        };
         assert!(check_image(&image(64)).is_ok());
         if room().is_some() {
             let error = check_image(&image(u32::MAX)).unwrap_err().to_string();

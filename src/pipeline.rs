@@ -2,9 +2,11 @@
 
 use std::{num::NonZeroUsize, path::PathBuf, thread, time::Instant};
 
+use glam::DVec3;
+
 use crate::{
     Error, Result, limits,
-    math::{Lattice, SimdLevel},
+    math::{Aabb, Lattice, SimdLevel},
     octree::{MortonOctree, Storage},
     output::{self, exr, png},
     progress::Progress,
@@ -34,6 +36,8 @@ pub struct Report {
     pub statistics: Statistics,
     /// The files written, in order.
     pub written: Vec<PathBuf>,
+    /// What the user should know about how the scene was understood.
+    pub notes: Vec<String>,
 }
 
 /// What a scene looks like, before it goes to files.
@@ -59,8 +63,19 @@ pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<
     let written = write(scene, options, &frame, progress)?;
     statistics.time_s.write = start.elapsed().as_secs_f64();
     statistics.peak_memory_bytes = limits::peak_memory_bytes();
-    Ok(Report { statistics, written })
+    Ok(Report { statistics, written, notes: Vec::new() })
 }
+
+/// Whether `scene` can be begun: whatever can be said of it without working on it.
+///
+/// # Errors
+/// [`Error::Limit`] if the picture is too large for the machine.
+pub fn check(scene: &Scene) -> Result<()> {
+    limits::check_image(&scene.image)
+}
+
+/// Stands in for a box that is found.
+const FALLBACK: Aabb = Aabb { min: DVec3::NEG_ONE, max: DVec3::ONE };
 
 /// Renders `scene` and writes nothing.
 ///
@@ -85,7 +100,10 @@ fn render_with_all_threads(
 ) -> Result<Picture> {
     let simd = options.simd.unwrap_or_else(SimdLevel::detect);
     limits::check_image(&scene.image)?;
-    let lattice = Lattice::new(scene.domain, options.resolution.unwrap_or(scene.resolution));
+    let lattice = Lattice::new(
+        scene.domain.unwrap_or(FALLBACK),
+        options.resolution.unwrap_or(scene.resolution),
+    );
 
     let start = Instant::now();
     let mut voxelizations: Vec<Voxelization> = Vec::new();

@@ -2,7 +2,8 @@
 
 use std::{num::NonZeroUsize, path::PathBuf};
 
-use clap::{Parser, value_parser};
+use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
+use clap_complete::Shell;
 
 use crate::{math::SimdLevel, pipeline::Options, scene::MAX_RESOLUTION};
 
@@ -10,6 +11,7 @@ const EXAMPLES: &str = "\
 Examples:
   render heart.toml                          write out/heart.png and out/heart.exr
   render heart.toml --resolution 64          a quick look
+  render knot.toml --set a=0.4 --set n=3     with other values in [params]
   render *.toml --out pictures --quiet       many scenes, and nothing said unless something fails
   render heart.toml --stats - | jq .         what was done, as JSON
 
@@ -17,15 +19,25 @@ Exit codes:
   0 all went well · 1 something failed · 2 a scene or an argument is wrong · 130 interrupted
 
 With several scenes, one that fails does not keep the others from being rendered; the exit code is
-then the highest of all.";
+then the highest of all. A scene file called `check` is rendered as `./check`.";
 
 /// Renders implicit surfaces F(x, y, z) = 0 from scene files to PNG and EXR pictures.
 #[derive(Debug, Parser)]
 #[command(name = "render", version, after_help = EXAMPLES, max_term_width = 100)]
-struct Args {
-    /// Scene files (TOML)
-    #[arg(required = true, value_name = "SCENE")]
-    scenes: Vec<PathBuf>,
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(disable_help_subcommand = true)]
+struct CommandLine {
+    #[command(flatten)]
+    render: RenderArgs,
+
+    #[command(subcommand)]
+    command: Option<Subcommands>,
+}
+
+#[derive(Debug, Args)]
+struct RenderArgs {
+    #[command(flatten)]
+    input: Input,
 
     /// Directory for the pictures; created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "out")]
@@ -47,10 +59,37 @@ struct Args {
     /// Write statistics to FILE (- for standard output): one JSON object a line for each scene
     #[arg(long, value_name = "FILE|-")]
     stats: Option<PathBuf>,
+}
 
-    /// Show no progress and no summary; only mistakes and failures
-    #[arg(long, short)]
+/// What rendering and checking have in common.
+#[derive(Debug, Args)]
+struct Input {
+    /// Scene files (TOML)
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
+
+    /// Give a name of [params] another value, a number or a formula; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    set: Vec<String>,
+
+    /// Show no progress, warnings and summary; only mistakes and failures
+    #[arg(long, short, display_order = 100)]
     quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Subcommands {
+    /// Find every mistake in scene files without rendering them
+    Check(Input),
+    /// Print the JSON Schema of scene files, with which editors complete them
+    Schema,
+    /// Print a script that makes a shell complete this command
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+    /// Print the manual page
+    Man,
 }
 
 fn simd_level(name: &str) -> Result<SimdLevel, String> {
@@ -70,53 +109,111 @@ pub(super) enum StatsTarget {
 
 /// What to do.
 #[derive(Debug)]
-pub(super) struct Plan {
-    pub(super) scenes: Vec<PathBuf>,
-    pub(super) options: Options,
-    pub(super) stats: StatsTarget,
+pub(super) enum Plan {
+    /// Render scenes.
+    Render { scenes: Scenes, options: Options, stats: StatsTarget },
+    /// Look for mistakes.
+    Check(Scenes),
+    /// Print the schema of scene files.
+    Schema,
+    /// Print what was made of the definition of the arguments.
+    Print(Vec<u8>),
+}
+
+/// Scene files and how to read them.
+#[derive(Debug)]
+pub(super) struct Scenes {
+    pub(super) paths: Vec<PathBuf>,
+    /// Each `name=value`.
+    pub(super) settings: Vec<String>,
     pub(super) quiet: bool,
 }
 
 /// Reads the command line. The error may be a request for help; it knows its own exit code.
 pub(super) fn parse() -> Result<Plan, clap::Error> {
-    Args::try_parse().map(Plan::from)
+    CommandLine::try_parse().and_then(plan)
 }
 
-impl From<Args> for Plan {
-    fn from(args: Args) -> Self {
-        Self {
-            scenes: args.scenes,
-            options: Options {
-                out_dir: args.out,
-                threads: args.threads.and_then(|n| NonZeroUsize::new(usize::from(n))),
-                resolution: args.resolution,
-                simd: args.simd,
-            },
-            stats: match args.stats {
-                None => StatsTarget::Nowhere,
-                Some(file) if file.as_os_str() == "-" => StatsTarget::Stdout,
-                Some(file) => StatsTarget::File(file),
-            },
-            quiet: args.quiet,
-        }
+fn plan(line: CommandLine) -> Result<Plan, clap::Error> {
+    Ok(match line.command {
+        None => render(line.render),
+        Some(Subcommands::Check(input)) => Plan::Check(scenes(input)),
+        Some(Subcommands::Schema) => Plan::Schema,
+        Some(Subcommands::Completions { shell }) => Plan::Print(completions(shell)),
+        Some(Subcommands::Man) => Plan::Print(manual()?),
+    })
+}
+
+fn render(args: RenderArgs) -> Plan {
+    Plan::Render {
+        scenes: scenes(args.input),
+        options: Options {
+            out_dir: args.out,
+            threads: args.threads.and_then(|n| NonZeroUsize::new(usize::from(n))),
+            resolution: args.resolution,
+            simd: args.simd,
+        },
+        stats: match args.stats {
+            None => StatsTarget::Nowhere,
+            Some(file) if file.as_os_str() == "-" => StatsTarget::Stdout,
+            Some(file) => StatsTarget::File(file),
+        },
     }
+}
+
+fn scenes(input: Input) -> Scenes {
+    Scenes { paths: input.scenes, settings: input.set, quiet: input.quiet }
+}
+
+fn completions(shell: Shell) -> Vec<u8> {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut CommandLine::command(), "render", &mut script);
+    script
+}
+
+fn manual() -> Result<Vec<u8>, clap::Error> {
+    let mut page = Vec::new();
+    clap_mangen::Man::new(CommandLine::command()).render(&mut page)?;
+    Ok(page)
 }
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
+
+    fn planned(arguments: &[&str]) -> Plan {
+        plan(CommandLine::parse_from(["render"].iter().chain(arguments))).unwrap()
+    }
 
     #[test]
     fn arguments_are_consistent() {
-        Args::command().debug_assert();
+        CommandLine::command().debug_assert();
     }
 
     #[test]
     fn dash_means_standard_output() {
-        let plan = |stats| Plan::from(Args::parse_from(["render", "a.toml", "--stats", stats]));
-        assert_eq!(plan("-").stats, StatsTarget::Stdout);
-        assert_eq!(plan("./-").stats, StatsTarget::File("./-".into()));
+        let target = |file| match planned(&["a.toml", "--stats", file]) {
+            Plan::Render { stats, .. } => stats,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(target("-"), StatsTarget::Stdout);
+        assert_eq!(target("./-"), StatsTarget::File("./-".into()));
+    }
+
+    #[test]
+    fn scenes_may_be_called_like_subcommands() {
+        assert!(matches!(planned(&["check", "a.toml"]), Plan::Check(_)));
+        for scenes in [&["./check"][..], &["a.toml", "check"], &["--", "check"]] {
+            assert!(matches!(planned(scenes), Plan::Render { .. }), "{scenes:?}");
+        }
+    }
+
+    #[test]
+    fn values_may_be_negative() {
+        let Plan::Check(scenes) = planned(&["check", "a.toml", "--set", "a=-1", "--set=b=-x"])
+        else {
+            panic!("not a check");
+        };
+        assert_eq!(scenes.settings, ["a=-1", "b=-x"]);
     }
 }

@@ -18,8 +18,10 @@ use annotate_snippets::{
 
 use crate::{
     Error, Result,
-    diagnostic::{Diagnostic, Rejection},
+    diagnostic::{Diagnostic, Sources},
+    math::Aabb,
     pipeline::Report,
+    scene::Scene,
 };
 
 /// So many mistakes of one file are shown; one who makes more wants to start with these.
@@ -34,11 +36,28 @@ pub(super) fn is_terminal() -> bool {
 pub(super) fn failure(path: &Path, error: &Error) {
     let renderer = renderer();
     match error {
-        Error::Scene(rejection) => say(&mistakes(rejection, &renderer)),
+        Error::Scene(rejection) => {
+            say(&excerpts(&Level::ERROR, &rejection.diagnostics, &rejection.sources, &renderer));
+        }
         Error::Empty(_) | Error::Limit(_) => {
             say(&renderer.render(&[title(&format!("{}: {error}", path.display()))]));
         }
         _ => say(&renderer.render(&[title(&with_causes(error))])),
+    }
+}
+
+/// Says what in a good scene is perhaps not meant.
+pub(super) fn warnings(scene: &Scene) {
+    if !scene.warnings.is_empty() {
+        say(&excerpts(&Level::WARNING, &scene.warnings, &scene.sources, &renderer()));
+    }
+}
+
+/// Says how the scene at `path` was understood, where it left that open.
+pub(super) fn notes(path: &Path, report: &Report) {
+    for note in &report.notes {
+        let text = format!("{}: {note}", path.display());
+        say(&renderer().render(&[Group::with_title(Level::NOTE.primary_title(&text))]));
     }
 }
 
@@ -49,10 +68,33 @@ pub(super) fn summary(path: &Path, report: &Report, time: Duration) {
     say(&format!("{}: wrote {files} in {:.2} s", path.display(), time.as_secs_f64()));
 }
 
-/// Writes a line to standard output. If nobody reads it any more, that is not a failure.
-pub(super) fn to_stdout(line: &str) -> Result<()> {
+/// Says that nothing is wrong with the scene at `path`, and what it asks for.
+pub(super) fn fine(path: &Path, scene: &Scene) {
+    let surfaces = match scene.surfaces.len() {
+        1 => "1 surface".to_owned(),
+        n => format!("{n} surfaces"),
+    };
+    let domain = scene.domain.map_or("a box to be found".to_owned(), |Aabb { min, max }| {
+        format!("the box from {min} to {max}")
+    });
+    let (resolution, image) = (scene.resolution, &scene.image);
+    say(&format!(
+        "{}: fine: {surfaces} in {domain}, resolution {resolution}, {} x {} pixels",
+        path.display(),
+        image.width,
+        image.height,
+    ));
+}
+
+/// Says how many scenes of a call were rendered.
+pub(super) fn total(n_rendered: usize, n_failed: usize, time: Duration) {
+    say(&format!("{n_rendered} rendered, {n_failed} failed, {:.2} s in all", time.as_secs_f64()));
+}
+
+/// Writes to standard output. If nobody reads it any more, that is not a failure.
+pub(super) fn to_stdout(text: &[u8]) -> Result<()> {
     let mut stdout = io::stdout().lock();
-    match writeln!(stdout, "{line}").and_then(|()| stdout.flush()) {
+    match stdout.write_all(text).and_then(|()| stdout.flush()) {
         Err(source) if source.kind() != io::ErrorKind::BrokenPipe => {
             Err(Error::Io { action: "write", path: "standard output".into(), source })
         }
@@ -85,27 +127,38 @@ fn with_causes(error: &Error) -> String {
     text
 }
 
-/// The mistakes of a file with excerpts, an empty line between them.
-fn mistakes(rejection: &Rejection, renderer: &Renderer) -> String {
-    let path = rejection.path.display().to_string();
-    let shown = rejection.diagnostics.iter().take(MAX_SHOWN);
+/// Mistakes with excerpts from the texts, an empty line between them.
+fn excerpts(
+    level: &Level<'_>,
+    diagnostics: &[Diagnostic],
+    sources: &Sources,
+    renderer: &Renderer,
+) -> String {
+    let shown = diagnostics.iter().take(MAX_SHOWN);
     let mut texts: Vec<String> =
-        shown.map(|mistake| excerpt(mistake, &rejection.source, &path, renderer)).collect();
-    let n_hidden = rejection.diagnostics.len().saturating_sub(MAX_SHOWN);
+        shown.map(|mistake| excerpt(level, mistake, sources, renderer)).collect();
+    let n_hidden = diagnostics.len().saturating_sub(MAX_SHOWN);
     if n_hidden > 0 {
-        texts.push(renderer.render(&[title(&format!("{n_hidden} more in {path}"))]));
+        let text = format!("{n_hidden} more in {}", sources.path.display());
+        texts.push(renderer.render(&[Group::with_title(level.clone().primary_title(&text))]));
     }
     texts.join("\n\n")
 }
 
-fn excerpt(mistake: &Diagnostic, source: &str, path: &str, renderer: &Renderer) -> String {
+fn excerpt(
+    level: &Level<'_>,
+    mistake: &Diagnostic,
+    sources: &Sources,
+    renderer: &Renderer,
+) -> String {
+    let (name, source) = sources.get(mistake.origin);
     let mark = AnnotationKind::Primary.span(within(source, &mistake.span));
     let mark = match mistake.label.as_str() {
         "" => mark,
         label => mark.label(clean(label)),
     };
-    let snippet = Snippet::source(source).path(path).annotation(mark);
-    let group = title(&mistake.message).element(snippet);
+    let snippet = Snippet::source(source).path(name).annotation(mark);
+    let group = Group::with_title(level.clone().primary_title(&mistake.message)).element(snippet);
     let help = mistake.help.as_deref().map(|help| Level::HELP.message(clean(help)));
     renderer.render(&[group.elements(help)])
 }
@@ -121,20 +174,19 @@ fn within(source: &str, span: &Range<usize>) -> Range<usize> {
 mod tests {
     use super::*;
 
-    fn rejection(source: &str, spans: Vec<Range<usize>>) -> Rejection {
-        let diagnostics = spans.into_iter().map(|s| Diagnostic::new(s, "wrong").label("here"));
-        Rejection {
-            path: "a.toml".into(),
-            source: source.to_owned(),
-            diagnostics: diagnostics.collect(),
-        }
+    fn complaints(source: &str, spans: Vec<Range<usize>>) -> String {
+        let diagnostics: Vec<_> =
+            spans.into_iter().map(|s| Diagnostic::new(s, "wrong").label("here")).collect();
+        let sources =
+            Sources { path: "a.toml".into(), text: source.to_owned(), settings: Vec::new() };
+        excerpts(&Level::ERROR, &diagnostics, &sources, &Renderer::plain())
     }
 
     #[test]
     fn spans_that_cannot_be_shown_do_no_harm() {
         let awkward = vec![0..0, Range { start: 5, end: 3 }, 900..901, 1..2, 0..1000];
         for source in ["", "é", "a\r\nb\n", "\u{1b}[31m"] {
-            let text = mistakes(&rejection(source, awkward.clone()), &Renderer::plain());
+            let text = complaints(source, awkward.clone());
             assert_eq!(text.matches("error: wrong").count(), 5, "{text}");
             assert!(!text.contains('\u{1b}'));
         }
@@ -142,7 +194,7 @@ mod tests {
 
     #[test]
     fn many_mistakes_are_counted() {
-        let text = mistakes(&rejection("x", vec![0..1; 23]), &Renderer::plain());
+        let text = complaints("x", vec![0..1; 23]);
         assert!(text.ends_with("error: 3 more in a.toml"), "{text}");
     }
 

@@ -3,7 +3,7 @@
 //! A picture is made in two passes. The first writes voxels into a z-buffer (`splat`, `zbuffer`):
 //! a voxel reaches every pixel whose centre ray meets its cube, so a surface that lies in the
 //! union of its voxels has no holes. The second looks at every pixel once, chooses the voxel that
-//! it shows (`resolve`) and lights it (`shade`).
+//! it shows (`resolve`) and lights it (`shade`, `light`).
 //!
 //! Both passes run on all threads, and the picture is the same bits for any number of them.
 //!
@@ -18,6 +18,7 @@ mod digest;
 mod fit;
 mod frame;
 mod layer;
+mod light;
 #[cfg(test)]
 mod mock;
 mod resolve;
@@ -34,7 +35,7 @@ pub use digest::{FrameDigest, PlaneDigest};
 pub use fit::Content;
 pub use frame::Frame;
 pub use layer::Layer;
-pub use settings::{ImageSettings, Material, Placement, Projection, View};
+pub use settings::{Axes, ImageSettings, Light, Material, Placement, Projection, View};
 
 use crate::{Result, progress::Progress};
 use screen::Screen;
@@ -58,5 +59,5 @@ pub fn render(
     let screen = Screen::new(camera, image.width, image.height);
     let zbuffer = ZBuffer::new(screen.n_pixels());
     splat::splat(layers, &screen, &zbuffer, progress)?;
-    shade::shade(layers, &screen, &zbuffer, image.background, progress)
+    shade::shade(layers, &screen, &zbuffer, image, progress)
 }

@@ -1,4 +1,4 @@
-//! What a picture shows: view, image, material.
+//! What a picture shows: view, image, lights, material.
 
 use glam::DVec3;
 
@@ -47,7 +47,7 @@ pub enum Placement {
     },
 }
 
-/// Size and background of a picture.
+/// Size, background and lights of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageSettings {
     /// In pixels.
@@ -56,6 +56,30 @@ pub struct ImageSettings {
     pub height: u32,
     /// Linear-light red, green, blue; transparent where `None`.
     pub background: Option<[f32; 3]>,
+    /// The scene's lights; the camera's own where there are none.
+    pub lights: Vec<Light>,
+}
+
+/// A light from far away: the same direction everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Towards the light; any length but zero.
+    pub direction: DVec3,
+    /// What `direction` is relative to.
+    pub axes: Axes,
+    /// Linear-light red, green, blue, in [0, 1].
+    pub color: [f32; 3],
+    /// Brightness; 1 is that of the camera's own light. Not negative.
+    pub intensity: f64,
+}
+
+/// What a direction is relative to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axes {
+    /// The scene's x, y and z.
+    Scene,
+    /// The picture's right and up, and towards the viewer.
+    Camera,
 }
 
 /// How a surface looks.
@@ -63,6 +87,8 @@ pub struct ImageSettings {
 pub struct Material {
     /// Linear-light red, green, blue of diffuse reflection, in [0, 1].
     pub color: [f32; 3],
+    /// The same for the side where F is negative.
+    pub back_color: [f32; 3],
     /// Strength of the highlight, in [0, 1].
     pub specular: f32,
     /// Exponent of the highlight, at least 1.

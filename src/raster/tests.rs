@@ -14,7 +14,7 @@ use crate::{
 const WHITE: [f32; 3] = [0.8; 3];
 
 fn image(width: u32, height: u32) -> ImageSettings {
-    ImageSettings { width, height, background: None }
+    ImageSettings { width, height, background: None, lights: Vec::new() }
 }
 
 fn view(projection: Projection, placement: Placement) -> View {

@@ -1,11 +1,11 @@
 //! The camera: which keys belong together, and views that cannot be.
 
 use glam::DVec3;
-use toml::Spanned;
 
 use super::{
     leaf::Numbers,
     lower::Lower,
+    spanned::Spanned,
     spec::{CameraSpec, ProjectionSpec, Section},
 };
 use crate::{

@@ -8,13 +8,33 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 7] = ["version", "surface", "domain", "voxels", "camera", "image", "output"];
+const SECTIONS: [&str; 10] = [
+    "version", "params", "let", "surface", "domain", "voxels", "camera", "light", "image", "output",
+];
 
 /// A key outside the sections, or a section, that does not exist.
 pub(super) fn unknown_section(key: &str, span: Range<usize>) -> Diagnostic {
+    if let Some(place) = place_of(key) {
+        return Diagnostic::new(span, format!("`{key}` stands outside its section"))
+            .label("not part of a scene by itself")
+            .help(format!("write it below {place}"));
+    }
     Diagnostic::new(span, format!("unknown key or section `{key}`"))
         .label("not part of a scene")
         .help(choices_help(key, &SECTIONS, "a scene has"))
+}
+
+/// Where a key belongs that people write without its section.
+fn place_of(key: &str) -> Option<&'static str> {
+    Some(match key {
+        "f" | "blend" | "inside" | "color" | "back_color" => "[[surface]]",
+        "clip" | "cap" => "[domain], for all surfaces, or below a [[surface]]",
+        "min" | "max" => "[domain]",
+        "resolution" => "[voxels]",
+        "width" | "height" | "background" => "[image]",
+        "fov" | "eye" | "target" | "projection" => "[camera]",
+        _ => return None,
+    })
 }
 
 /// How to name the table in which a mistake was made: the section, or the inline table that is
@@ -52,7 +72,11 @@ pub(super) fn refused(error: &toml::de::Error, at: Range<usize>, place: &str) ->
             .label(format!("no `{key}` in here"));
     }
     if let Some((found, expected)) = split(text, "invalid type: ", ", expected ") {
-        return with_help(at, &format!("expected {expected}"), Some(found));
+        let diagnostic = with_help(at, &format!("expected {expected}"), Some(found));
+        return match expected.ends_with("number") && is_text_with_digits(found) {
+            true => diagnostic.help("write numbers without quotes and without a unit, as in 0.5"),
+            false => diagnostic,
+        };
     }
     match text {
         "wanted string or table" => Diagnostic::new(at, "expected a word in quotes"),
@@ -86,6 +110,12 @@ fn with_help(at: Range<usize>, text: &str, found: Option<&str>) -> Diagnostic {
     }
 }
 
+/// Whether serde found text that begins like a number: `string "3mm"`.
+fn is_text_with_digits(found: &str) -> bool {
+    let text = found.strip_prefix("string \"").unwrap_or_default();
+    text.trim_start_matches(['+', '-', '.']).starts_with(|c: char| c.is_ascii_digit())
+}
+
 /// The kind of value that serde's description stands for.
 fn kind_of(found: &str) -> &'static str {
     match found.split(' ').next() {
@@ -96,6 +126,18 @@ fn kind_of(found: &str) -> &'static str {
         Some("sequence") => "an array",
         _ => "a table or a date",
     }
+}
+
+/// The kind of a value of the file.
+pub(super) fn kind_of_value(value: &DeValue<'_>) -> &'static str {
+    kind_of(match value {
+        DeValue::String(_) => "string",
+        DeValue::Integer(_) => "integer",
+        DeValue::Float(_) => "floating",
+        DeValue::Boolean(_) => "boolean",
+        DeValue::Array(_) => "sequence",
+        DeValue::Datetime(_) | DeValue::Table(_) => "map",
+    })
 }
 
 /// What could have been meant, and everything that could be written.

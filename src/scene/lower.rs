@@ -4,20 +4,27 @@
 //! the scene is only handed out if there were none.
 
 use std::{
+    collections::HashSet,
     ops::{Range, RangeInclusive},
     path::{Component, Path, PathBuf},
 };
 
 use glam::DVec3;
-use toml::Spanned;
 
 use super::{
     Outputs, Scene,
     color::linear_from_srgb,
+    formula::Formula,
     leaf::{Background, Color, Number, Numbers, Target, Whole},
-    spec::{DomainSpec, ImageSpec, OutputSpec, SceneSpec, Section, VoxelsSpec},
+    spanned::Spanned,
+    spec::{DomainSpec, ImageSpec, LightSpec, OutputSpec, SceneSpec, Section, VoxelsSpec},
 };
-use crate::{diagnostic::Diagnostic, math::Aabb, raster::ImageSettings};
+use crate::{
+    diagnostic::{Diagnostic, Sources},
+    expr::Definition,
+    math::Aabb,
+    raster::ImageSettings,
+};
 
 /// The largest `resolution`, in voxels along the longest axis.
 pub const MAX_RESOLUTION: u32 = 16_384;
@@ -36,46 +43,91 @@ const DEFAULT_BACKGROUND: Background = Background::Color(Color([1.0; 3]));
 pub(super) struct Lower<'a> {
     /// The text of the file.
     pub(super) source: &'a str,
-    pub(super) errors: &'a mut Vec<Diagnostic>,
+    /// What was set for this run, as `name=value`.
+    pub(super) settings: &'a [String],
+    pub(super) errors: Vec<Diagnostic>,
+    /// What is perhaps not meant.
+    pub(super) warnings: Vec<Diagnostic>,
+    /// The names that all formulas share, in the order of the file.
+    pub(super) definitions: Vec<Definition>,
+    /// The formulas of the definitions.
+    pub(super) formulas: Vec<Formula>,
+    /// Mistakes of definitions that were noted: index, place, message.
+    pub(super) noted: HashSet<(usize, usize, String)>,
 }
 
-impl Lower<'_> {
+impl<'a> Lower<'a> {
+    /// Goes on after the mistakes that were found while the file was read.
+    pub(super) fn new(source: &'a str, settings: &'a [String], errors: Vec<Diagnostic>) -> Self {
+        Self {
+            source,
+            settings,
+            errors,
+            warnings: Vec::new(),
+            definitions: Vec::new(),
+            formulas: Vec::new(),
+            noted: HashSet::new(),
+        }
+    }
+
     /// The scene called `name`; worth something only if no errors were noted.
     pub(super) fn scene(&mut self, name: &str, spec: &SceneSpec) -> Scene {
+        self.define(&spec.params, &spec.lets);
+        let clip = self.clip(&spec.domain);
         Scene {
             name: name.to_owned(),
-            surfaces: self.surfaces(&spec.surfaces),
+            surfaces: self.surfaces(&spec.surfaces, &clip),
             domain: self.domain(&spec.domain),
             resolution: self.resolution(&spec.voxels.spec),
             view: self.view(&spec.camera),
-            image: self.image(&spec.image.spec),
+            image: self.image(&spec.image.spec, &spec.lights),
             outputs: self.outputs(name, &spec.output.spec),
+            sources: Sources::default(),
+            warnings: Vec::new(),
         }
     }
 
-    fn domain(&mut self, Section { spec, is_damaged, .. }: &Section<DomainSpec>) -> Aabb {
-        let min = self.coordinates("min", spec.min.as_ref(), [-1.0; 3]);
-        let max = self.coordinates("max", spec.max.as_ref(), [1.0; 3]);
-        let axes = ['x', 'y', 'z'].into_iter().zip(min.into_iter().zip(max));
-        let is_empty = |(_, (min, max)): &(char, (f64, f64))| min >= max && !is_damaged;
-        for (axis, (min, max)) in axes.filter(is_empty) {
-            let at = spec.max.as_ref().or(spec.min.as_ref());
-            let message = format!("the domain is empty along {axis}: min is {min}, max is {max}");
-            self.errors.push(
-                Diagnostic::new(at.map_or(0..0, Spanned::span), message)
-                    .help("every number of `min` must be below its partner in `max`"),
-            );
+    /// The box to search, if the file has one.
+    fn domain(&mut self, section: &Section<DomainSpec>) -> Option<Aabb> {
+        let min = section.spec.min.as_ref().map(|min| self.coordinates("min", min));
+        let max = section.spec.max.as_ref().map(|max| self.coordinates("max", max));
+        let (min, max, at) = match (min, max, &section.spec.max) {
+            (Some(min), Some(max), Some(at)) => (min, max, at),
+            (None, None, _) => return None,
+            _ if section.is_damaged => return None,
+            (min, ..) => {
+                self.one_corner(
+                    section,
+                    if min.is_some() { ["min", "max"] } else { ["max", "min"] },
+                );
+                return None;
+            }
+        };
+        for (axis, (min, max)) in ['x', 'y', 'z'].into_iter().zip(min.into_iter().zip(max)) {
+            if min >= max {
+                let message =
+                    format!("the domain is empty along {axis}: min is {min}, max is {max}");
+                self.errors.push(
+                    Diagnostic::new(at.span(), message)
+                        .help("every number of `min` must be below its partner in `max`"),
+                );
+            }
         }
-        Aabb { min: min.into(), max: max.into() }
+        Some(Aabb { min: min.into(), max: max.into() })
     }
 
-    fn coordinates(
-        &mut self,
-        key: &str,
-        value: Option<&Spanned<Numbers<3>>>,
-        default: [f64; 3],
-    ) -> [f64; 3] {
-        let Some(value) = value else { return default };
+    fn one_corner(&mut self, section: &Section<DomainSpec>, [given, missing]: [&str; 2]) {
+        let corners = section.spec.min.as_ref().or(section.spec.max.as_ref());
+        self.errors.push(
+            Diagnostic::new(
+                corners.map_or(section.span.clone(), Spanned::span),
+                format!("`{given}` stands without `{missing}`"),
+            )
+            .help(format!("add `{missing}`, or remove `{given}`: then a box is found")),
+        );
+    }
+
+    fn coordinates(&mut self, key: &str, value: &Spanned<Numbers<3>>) -> [f64; 3] {
         if value.get_ref().0.iter().any(|c| c.abs() > MAX_COORDINATE) {
             self.errors.push(
                 Diagnostic::new(value.span(), format!("`{key}` is too far out"))
@@ -91,7 +143,7 @@ impl Lower<'_> {
         self.whole("resolution", spec.resolution.as_ref(), range, DEFAULT_RESOLUTION)
     }
 
-    fn image(&mut self, spec: &ImageSpec) -> ImageSettings {
+    fn image(&mut self, spec: &ImageSpec, lights: &[Section<LightSpec>]) -> ImageSettings {
         let range = 1..=MAX_IMAGE_SIZE;
         ImageSettings {
             width: self.whole("width", spec.width.as_ref(), range.clone(), DEFAULT_IMAGE_SIZE),
@@ -100,6 +152,7 @@ impl Lower<'_> {
                 Background::Transparent => None,
                 Background::Color(color) => Some(linear_from_srgb(color)),
             },
+            lights: self.lights(lights),
         }
     }
 

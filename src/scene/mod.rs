@@ -1,12 +1,19 @@
 //! What the user asks for: the scene file mirrored as data (`spec`) and lowered to a [`Scene`].
 
 mod camera;
+mod clip;
 mod color;
+mod definitions;
 mod explain;
+mod formula;
 mod leaf;
+mod leaf_schema;
+mod light;
 mod load;
 mod lower;
 mod read;
+mod schema;
+mod spanned;
 mod spec;
 mod surface;
 
@@ -15,10 +22,12 @@ mod tests;
 
 use std::path::PathBuf;
 
-pub use load::{load, parse};
+pub use load::{load, load_with, parse, parse_with};
 pub use lower::MAX_RESOLUTION;
+pub use schema::schema;
 
 use crate::{
+    diagnostic::{Diagnostic, Sources},
     expr::Expr,
     math::Aabb,
     raster::{ImageSettings, Material, View},
@@ -31,8 +40,8 @@ pub struct Scene {
     pub name: String,
     /// At least one.
     pub surfaces: Vec<Surface>,
-    /// The box that is searched; finite, not empty.
-    pub domain: Aabb,
+    /// The box that is searched, finite and not empty; one is found where there is none.
+    pub domain: Option<Aabb>,
     /// Voxels along the domain's longest axis.
     pub resolution: u32,
     /// Where the picture is taken from.
@@ -41,6 +50,10 @@ pub struct Scene {
     pub image: ImageSettings,
     /// Which files to write.
     pub outputs: Outputs,
+    /// What is allowed but perhaps not meant, in the order of the places.
+    pub warnings: Vec<Diagnostic>,
+    /// The texts that it was made of.
+    pub sources: Sources,
 }
 
 /// One surface F = 0.

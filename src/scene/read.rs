@@ -12,6 +12,7 @@ use toml::{
 };
 
 use super::{
+    definitions::Named,
     explain::{place_of_key, refused, unknown_section},
     spec::{SceneSpec, Section, SurfaceSpec, VERSION},
 };
@@ -33,7 +34,7 @@ pub(super) fn read(source: &str, errors: &mut Vec<Diagnostic>) -> Option<SceneSp
         errors.push(error);
         return None;
     }
-    Some(sections(root, errors))
+    Some(sections(root, source, errors))
 }
 
 /// TOML's own words, cut in message and label.
@@ -71,7 +72,7 @@ fn check_version(root: &DeTable<'_>) -> Result<(), Diagnostic> {
     }
 }
 
-fn sections(root: DeTable<'_>, errors: &mut Vec<Diagnostic>) -> SceneSpec {
+fn sections(root: DeTable<'_>, source: &str, errors: &mut Vec<Diagnostic>) -> SceneSpec {
     let mut spec = SceneSpec::default();
     let mut has_surface = false;
     for (key, value) in root {
@@ -82,6 +83,12 @@ fn sections(root: DeTable<'_>, errors: &mut Vec<Diagnostic>) -> SceneSpec {
                 has_surface = true;
                 spec.surfaces = surfaces(value, errors);
             }
+            "light" => {
+                let help = "a light is written in double brackets";
+                spec.lights = repeated("[[light]]", help, value, errors);
+            }
+            "params" => spec.params = names("[params]", value, source, errors),
+            "let" => spec.lets = names("[let]", value, source, errors),
             "domain" => spec.domain = section("[domain]", value, errors),
             "voxels" => spec.voxels = section("[voxels]", value, errors),
             "camera" => spec.camera = section("[camera]", value, errors),
@@ -103,18 +110,47 @@ fn surfaces(
     value: Spanned<DeValue<'_>>,
     errors: &mut Vec<Diagnostic>,
 ) -> Vec<Section<SurfaceSpec>> {
+    if let DeValue::Array(array) = value.get_ref()
+        && array.is_empty()
+    {
+        errors.push(Diagnostic::new(value.span(), "the scene has no surface"));
+    }
+    repeated("[[surface]]", "a surface is written in double brackets", value, errors)
+}
+
+/// Reads all sections of a name that may stand several times.
+fn repeated<'i, T: Deserialize<'i> + Default>(
+    name: &str,
+    complaint: &str,
+    value: Spanned<DeValue<'i>>,
+    errors: &mut Vec<Diagnostic>,
+) -> Vec<Section<T>> {
     let span = value.span();
     let DeValue::Array(array) = value.into_inner() else {
-        errors.push(
-            Diagnostic::new(span, "a surface is written in double brackets")
-                .label("expected [[surface]]"),
-        );
+        errors.push(Diagnostic::new(span, complaint).label(format!("expected {name}")));
         return Vec::new();
     };
-    if array.is_empty() {
-        errors.push(Diagnostic::new(span, "the scene has no surface"));
-    }
-    array.into_iter().map(|element| section("[[surface]]", element, errors)).collect()
+    array.into_iter().map(|element| section(name, element, errors)).collect()
+}
+
+/// Reads a section whose keys the user chooses.
+fn names(
+    name: &str,
+    value: Spanned<DeValue<'_>>,
+    source: &str,
+    errors: &mut Vec<Diagnostic>,
+) -> Named {
+    let span = value.span();
+    let DeValue::Table(table) = value.into_inner() else {
+        errors.push(no_table(name, span));
+        return Named::default();
+    };
+    Named::read(table, source, errors)
+}
+
+fn no_table(name: &str, span: Range<usize>) -> Diagnostic {
+    Diagnostic::new(span, format!("{name} is a section"))
+        .label("expected a table, with its keys on the lines below it")
 }
 
 /// Reads one section, without the entries that are refused.
@@ -126,10 +162,7 @@ fn section<'i, T: Deserialize<'i> + Default>(
     let span = value.span();
     let damaged = Section { spec: T::default(), span: span.clone(), is_damaged: true };
     let DeValue::Table(mut table) = value.into_inner() else {
-        errors.push(
-            Diagnostic::new(span, format!("{name} is a section"))
-                .label("expected a table, with its keys on the lines below it"),
-        );
+        errors.push(no_table(name, span));
         return damaged;
     };
     for n_refused in 0..MAX_RETRIES {

@@ -5,23 +5,45 @@
 
 use std::ops::Range;
 
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
-use toml::Spanned;
 
-use super::leaf::{Background, Color, Number, Numbers, Table, Target, Whole};
+use super::{
+    definitions::Named,
+    leaf::{Background, Color, Number, Numbers, Table, Target, Whole},
+    spanned::Spanned,
+};
 
 /// The only version of the format so far.
 pub(super) const VERSION: &str = "1";
 
-/// A scene file without `version`.
-#[derive(Debug, Default)]
+/// A scene of zeroset: surfaces given by formulas, and how to draw them.
+// `version` is missing here: it is looked at before anything else.
+#[derive(Debug, Default, JsonSchema)]
+#[schemars(deny_unknown_fields)]
 pub(super) struct SceneSpec {
-    /// `[[surface]]`, in the order of the file.
+    /// Numbers with names that all formulas may use, each a number or a formula without
+    /// coordinates; `--set name=value` overrides them.
+    #[schemars(default)]
+    pub(super) params: Named,
+    /// Expressions with names that all formulas may use.
+    #[schemars(rename = "let", default)]
+    pub(super) lets: Named,
+    /// What is drawn.
+    #[schemars(rename = "surface", length(min = 1))]
     pub(super) surfaces: Vec<Section<SurfaceSpec>>,
+    #[schemars(default)]
     pub(super) domain: Section<DomainSpec>,
+    #[schemars(default)]
     pub(super) voxels: Section<VoxelsSpec>,
+    #[schemars(default)]
     pub(super) camera: Section<CameraSpec>,
+    /// The lights; by default one that the camera carries.
+    #[schemars(rename = "light", default)]
+    pub(super) lights: Vec<Section<LightSpec>>,
+    #[schemars(default)]
     pub(super) image: Section<ImageSpec>,
+    #[schemars(default)]
     pub(super) output: Section<OutputSpec>,
 }
 
@@ -36,28 +58,52 @@ pub(super) struct Section<T> {
     pub(super) is_damaged: bool,
 }
 
-/// `[[surface]]`: what is drawn, either `f` or `blend`.
-#[derive(Clone, Debug, Default, Deserialize)]
+impl<T: JsonSchema> JsonSchema for Section<T> {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        T::schema_name()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        T::json_schema(generator)
+    }
+}
+
+/// What is drawn, either `f` or `blend`.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SurfaceSpec {
     /// For messages and statistics; "surface 1" and so on by default.
     pub(super) name: Option<String>,
-    /// The formula; `a = b` is `a - b`.
+    /// The formula; `a = b` means a − b = 0, and `a <= b` is a solid.
     pub(super) f: Option<Spanned<String>>,
     /// A blend of spheres.
     pub(super) blend: Option<Spanned<Table<BlendSpec>>>,
-    /// The sign of F inside: negative by default for `f`, positive for `blend`.
-    pub(super) inside: Option<Inside>,
+    /// The sign of F inside: negative by default for `f`, positive for `blend`; a comparison says
+    /// itself what is inside.
+    pub(super) inside: Option<Spanned<Inside>>,
+    /// What is kept, as an inequality; the cuts are open. `clip` of `[domain]` applies as well.
+    pub(super) clip: Option<Spanned<String>>,
+    /// Whether the cuts of clips are closed; by default as `[domain]` says.
+    pub(super) cap: Option<Spanned<bool>>,
     /// By default the next of a small palette.
     pub(super) color: Option<Color>,
+    /// The colour seen from inside; by default the same.
+    pub(super) back_color: Option<Color>,
     /// Strength of the highlight in [0, 1]; 0.3 by default.
+    #[schemars(range(min = 0, max = 1))]
     pub(super) specular: Option<Spanned<Number>>,
     /// Exponent of the highlight from 1 to 1000; 32 by default.
+    #[schemars(range(min = 1, max = 1000))]
     pub(super) shininess: Option<Spanned<Whole>>,
 }
 
-/// `blend = { threshold, radius, spheres }`: see [`crate::expr::Expr::blend`].
-#[derive(Clone, Debug, Deserialize)]
+/// A blend of spheres: the sum of (1 − (a d / radius)²)⁴ over the balls in which it is positive,
+/// minus the threshold; d is the distance to a centre.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct BlendSpec {
     /// The value of the sum on the surface, above 0.
@@ -69,39 +115,46 @@ pub(super) struct BlendSpec {
 }
 
 /// Which sign of F means inside.
-#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Inside {
     Negative,
     Positive,
 }
 
-/// `[domain]`: the box that is searched.
-#[derive(Clone, Debug, Default, Deserialize)]
+/// Where surfaces are: the box that is searched, and what is kept of it.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DomainSpec {
-    /// `[-1, -1, -1]` by default.
+    /// The corner with the smallest coordinates; without `min` and `max` a box is found that
+    /// holds the surfaces.
     pub(super) min: Option<Spanned<Numbers<3>>>,
-    /// `[1, 1, 1]` by default.
+    /// The corner with the largest coordinates.
     pub(super) max: Option<Spanned<Numbers<3>>>,
+    /// What is kept of all surfaces, as an inequality such as `x^2 + y^2 + z^2 <= 4`.
+    pub(super) clip: Option<Spanned<String>>,
+    /// Whether the cuts of clips are closed, so that solids stay solid; false by default.
+    pub(super) cap: Option<Spanned<bool>>,
 }
 
-/// `[voxels]`.
-#[derive(Clone, Debug, Default, Deserialize)]
+/// How finely space is divided.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct VoxelsSpec {
     /// Voxels along the longest axis of the domain; 512 by default.
+    #[schemars(range(min = 1, max = 16384))]
     pub(super) resolution: Option<Spanned<Whole>>,
 }
 
-/// `[camera]`: a lens, and a place that is fixed (`eye`, `target`) or fitted (`direction`,
+/// A lens, and a place that is fixed (`eye`, `target`) or fitted (`direction`,
 /// `margin`).
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CameraSpec {
     /// Perspective by default.
     pub(super) projection: Option<ProjectionSpec>,
     /// Perspective: the vertical angle of view in degrees; 35 by default.
+    #[schemars(range(min = 0.1, max = 179))]
     pub(super) fov: Option<Spanned<Number>>,
     /// Orthographic: the picture's height in scene units; by default what fits.
     pub(super) height: Option<Spanned<Number>>,
@@ -112,13 +165,14 @@ pub(super) struct CameraSpec {
     /// From the object to the camera; `[1.0, -1.7, 0.9]` by default.
     pub(super) direction: Option<Spanned<Numbers<3>>>,
     /// The empty border as a fraction of the picture's smaller side, in [0, 0.5); 0.05 by default.
+    #[schemars(range(min = 0, max = 0.49))]
     pub(super) margin: Option<Spanned<Number>>,
     /// What is up in the picture; z by default, or y when looking along z.
     pub(super) up: Option<Spanned<Numbers<3>>>,
 }
 
 /// The lens.
-#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum ProjectionSpec {
     #[default]
@@ -126,20 +180,49 @@ pub(super) enum ProjectionSpec {
     Orthographic,
 }
 
-/// `[image]`.
-#[derive(Clone, Debug, Default, Deserialize)]
+/// A light from far away.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LightSpec {
+    /// Towards the light.
+    #[schemars(required)]
+    pub(super) direction: Option<Spanned<Numbers<3>>>,
+    /// What `direction` is relative to; the scene by default.
+    pub(super) relative_to: Option<AxesSpec>,
+    /// White by default.
+    pub(super) color: Option<Color>,
+    /// Brightness from 0 to 1000; 1 by default, as bright as the camera's own light.
+    #[schemars(range(min = 0, max = 1000))]
+    pub(super) intensity: Option<Spanned<Number>>,
+}
+
+/// What a direction is relative to.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum AxesSpec {
+    /// x, y and z.
+    #[default]
+    Scene,
+    /// Right and up in the picture, and towards the viewer.
+    Camera,
+}
+
+/// The picture.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ImageSpec {
     /// In pixels; 1024 by default.
+    #[schemars(range(min = 1, max = 16384))]
     pub(super) width: Option<Spanned<Whole>>,
     /// In pixels; 1024 by default.
+    #[schemars(range(min = 1, max = 16384))]
     pub(super) height: Option<Spanned<Whole>>,
     /// A colour or "transparent"; white by default.
     pub(super) background: Option<Background>,
 }
 
-/// `[output]`: true, false or the name of a file below the output directory.
-#[derive(Clone, Debug, Default, Deserialize)]
+/// The files: true, false or the name of a file below the output directory.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct OutputSpec {
     /// True by default: NAME.png after the scene file NAME.toml.

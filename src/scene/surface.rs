@@ -1,16 +1,16 @@
 //! Surfaces: formulas and blends of spheres with what they look like.
 
-use toml::Spanned;
-
 use super::{
     Surface,
+    clip::Clip,
     color::{default_color, linear_from_srgb},
     lower::Lower,
+    spanned::Spanned,
     spec::{BlendSpec, Inside, Section, SurfaceSpec},
 };
 use crate::{
     diagnostic::Diagnostic,
-    expr::{Expr, parse},
+    expr::{Expr, Relation},
     raster::Material,
 };
 
@@ -22,33 +22,57 @@ const DEFAULT_SHININESS: i64 = 32;
 
 impl Lower<'_> {
     /// All surfaces that could be made.
-    pub(super) fn surfaces(&mut self, specs: &[Section<SurfaceSpec>]) -> Vec<Surface> {
-        let surface = |(index, spec)| self.surface(index, spec);
+    pub(super) fn surfaces(&mut self, specs: &[Section<SurfaceSpec>], clip: &Clip) -> Vec<Surface> {
+        let surface = |(index, spec)| self.surface(index, spec, clip);
         specs.iter().enumerate().filter_map(surface).collect()
     }
 
-    fn surface(&mut self, index: usize, section: &Section<SurfaceSpec>) -> Option<Surface> {
+    fn surface(
+        &mut self,
+        index: usize,
+        section: &Section<SurfaceSpec>,
+        clip: &Clip,
+    ) -> Option<Surface> {
         let spec = &section.spec;
-        let color = spec.color.unwrap_or_else(|| default_color(index));
-        let specular = self.number("specular", spec.specular.as_ref(), 0.0..=1.0, DEFAULT_SPECULAR);
-        let shininess =
-            self.whole("shininess", spec.shininess.as_ref(), 1..=1000, DEFAULT_SHININESS);
-        let material =
-            Material { color: linear_from_srgb(color), specular: specular as f32, shininess };
+        let material = self.material(index, spec);
         let name = spec.name.clone().unwrap_or_else(|| format!("surface {}", index + 1));
-        let (expr, usual) = self.expr(section)?;
-        let expr = match spec.inside.unwrap_or(usual) {
-            Inside::Negative => expr,
-            Inside::Positive => expr.negated(),
-        };
-        Some(Surface { name, expr, material })
+        let expr = self.expr(section)?;
+        Some(Surface { name, expr: self.clipped(expr, section, clip), material })
     }
 
-    /// F, and the sign that it has inside unless the file says otherwise.
-    fn expr(&mut self, section: &Section<SurfaceSpec>) -> Option<(Expr, Inside)> {
-        match (&section.spec.f, &section.spec.blend) {
-            (Some(f), None) => Some((self.formula(f)?, Inside::Negative)),
-            (None, Some(blend)) => Some((self.blend(&blend.get_ref().0), Inside::Positive)),
+    fn material(&mut self, index: usize, spec: &SurfaceSpec) -> Material {
+        let color = spec.color.unwrap_or_else(|| default_color(index));
+        let back_color = spec.back_color.unwrap_or(color);
+        let specular = self.number("specular", spec.specular.as_ref(), 0.0..=1.0, DEFAULT_SPECULAR);
+        Material {
+            color: linear_from_srgb(color),
+            back_color: linear_from_srgb(back_color),
+            specular: specular as f32,
+            shininess: self.whole(
+                "shininess",
+                spec.shininess.as_ref(),
+                1..=1000,
+                DEFAULT_SHININESS,
+            ),
+        }
+    }
+
+    /// F, negative inside.
+    fn expr(&mut self, section: &Section<SurfaceSpec>) -> Option<Expr> {
+        let spec = &section.spec;
+        match (&spec.f, &spec.blend) {
+            (Some(f), None) => {
+                let formula = self.formula(f);
+                let resolved = self.resolve(&formula)?;
+                if resolved.relation == Relation::Solid {
+                    self.no_inside(spec.inside.as_ref());
+                    return Some(resolved.expr);
+                }
+                Some(turned(resolved.expr, spec, Inside::Negative))
+            }
+            (None, Some(blend)) => {
+                Some(turned(self.blend(&blend.get_ref().0), spec, Inside::Positive))
+            }
             (Some(_), Some(blend)) => {
                 self.errors.push(
                     Diagnostic::new(blend.span(), "a surface is given twice")
@@ -69,18 +93,14 @@ impl Lower<'_> {
         }
     }
 
-    fn formula(&mut self, text: &Spanned<String>) -> Option<Expr> {
-        let resolved = parse(text.get_ref()).and_then(|ast| {
-            Expr::resolve(&ast, &[])
-                .map_err(|mistakes| mistakes.into_iter().map(|m| m.diagnostic).collect())
-        });
-        match resolved {
-            Ok(resolved) => Some(resolved.expr),
-            Err(errors) => {
-                let errors = errors.into_iter().map(|error| in_file(error, text, self.source));
-                self.errors.extend(errors);
-                None
-            }
+    /// A comparison needs no `inside`, and would contradict it half of the time.
+    fn no_inside(&mut self, inside: Option<&Spanned<Inside>>) {
+        if let Some(inside) = inside {
+            self.errors.push(
+                Diagnostic::new(inside.span(), "`inside` is for equations")
+                    .label("the comparison in `f` says what is inside")
+                    .help("remove it, or turn the comparison around"),
+            );
         }
     }
 
@@ -106,36 +126,10 @@ impl Lower<'_> {
     }
 }
 
-/// Moves a diagnostic of a formula to the file: exactly if the file holds the formula literally,
-/// to the whole string if it is written with escapes.
-fn in_file(error: Diagnostic, text: &Spanned<String>, source: &str) -> Diagnostic {
-    let span = text.span();
-    match start_of_literal(&source[span.clone()], text.get_ref()) {
-        Some(offset) => error.shifted(span.start + offset),
-        None => Diagnostic { span, label: "in this formula".to_owned(), ..error },
-    }
-}
-
-/// Where in a TOML string, quotes included, its value begins, if it stands there literally.
-fn start_of_literal(written: &str, value: &str) -> Option<usize> {
-    let quotes = if written.starts_with("\"\"\"") || written.starts_with("'''") { 3 } else { 1 };
-    let after = &written[quotes..];
-    let newline = ["\r\n", "\n"].into_iter().find(|end| quotes == 3 && after.starts_with(end));
-    let start = quotes + newline.map_or(0, str::len);
-    let end = written.len().checked_sub(quotes)?;
-    (written.get(start..end)? == value).then_some(start)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::start_of_literal;
-
-    #[test]
-    fn literal_strings_are_found() {
-        assert_eq!(start_of_literal("\"x+1\"", "x+1"), Some(1));
-        assert_eq!(start_of_literal("''", ""), Some(1));
-        assert_eq!(start_of_literal("\"\"\"\nx\n+1\"\"\"", "x\n+1"), Some(4));
-        assert_eq!(start_of_literal("'''\r\nx'''", "x"), Some(5));
-        assert_eq!(start_of_literal("\"\\u0078\"", "x"), None);
+/// F with the sign that the file asks for, or the usual one, turned to negative inside.
+fn turned(expr: Expr, spec: &SurfaceSpec, usual: Inside) -> Expr {
+    match spec.inside.as_ref().map_or(usual, |inside| *inside.get_ref()) {
+        Inside::Negative => expr,
+        Inside::Positive => expr.negated(),
     }
 }

@@ -8,7 +8,8 @@ use proptest::prelude::*;
 use super::*;
 use crate::{
     Error,
-    raster::{Placement, Projection},
+    math::Aabb,
+    raster::{Axes, Light, Placement, Projection},
 };
 
 fn scene(text: &str) -> Scene {
@@ -28,7 +29,8 @@ fn three_lines_are_enough() {
     assert_eq!(scene.name, "heart.v2");
     assert_eq!(scene.surfaces.len(), 1);
     assert_eq!(scene.surfaces[0].name, "surface 1");
-    assert_eq!((scene.domain.min, scene.domain.max), (-DVec3::ONE, DVec3::ONE));
+    assert_eq!(scene.domain, None);
+    assert!(scene.image.lights.is_empty() && scene.warnings.is_empty());
     assert_eq!(scene.resolution, 512);
     assert_eq!(scene.view.projection, Projection::Perspective { fov_degrees: 35.0 });
     assert!(matches!(scene.view.placement, Placement::Fit { margin: 0.05, .. }));
@@ -44,11 +46,17 @@ fn every_key_can_be_given() {
     let scene = scene(
         r##"
         version = 1
+        [params]
+        a = 1_000.5e-1
+        b = "a/2"
+        [let]
+        square = "x^2 + y^2 + b"
         [[surface]]
         name = "ball"
         f = "1 - x^2 - y^2 - z^2"
         inside = "positive"
         color = "#ff8000"
+        back_color = "#ffffff"
         specular = 0
         shininess = 100
         [[surface]]
@@ -64,6 +72,13 @@ fn every_key_can_be_given() {
         height = 3
         eye = [0, 0, 9]
         target = [0, 0, 0]
+        [[light]]
+        direction = [0, 0, 2]
+        [[light]]
+        direction = [-1, 1, 1]
+        relative_to = "camera"
+        color = [0, 0, 1]
+        intensity = 0.5
         [image]
         width = 640
         height = 480
@@ -77,7 +92,18 @@ fn every_key_can_be_given() {
     assert_eq!(scene.surfaces[0].material.specular, 0.0);
     assert_eq!(scene.surfaces[0].material.shininess, 100);
     assert_eq!(scene.surfaces[1].material.color, [0.0, 1.0, 0.214_041_14]);
-    assert_eq!(scene.domain.max, DVec3::new(2.0, 3.5, 10.0));
+    let domain = Aabb { min: DVec3::new(-2.0, -3.5, 0.0), max: DVec3::new(2.0, 3.5, 10.0) };
+    assert_eq!(scene.domain, Some(domain));
+    assert_eq!(scene.surfaces[0].material.back_color, [1.0; 3]);
+    let back = Light {
+        direction: DVec3::new(-1.0, 1.0, 1.0),
+        axes: Axes::Camera,
+        color: [0.0, 0.0, 1.0],
+        intensity: 0.5,
+    };
+    let front =
+        Light { direction: 2.0 * DVec3::Z, axes: Axes::Scene, color: [1.0; 3], intensity: 1.0 };
+    assert_eq!(scene.image.lights, [front, back]);
     assert_eq!(scene.view.projection, Projection::Orthographic { height: Some(3.0) });
     assert_eq!(scene.view.up, DVec3::Y, "z is not up for who looks along it");
     assert_eq!(scene.image.background, None);
@@ -93,6 +119,67 @@ fn refused_entries_are_not_missed_again() {
     assert_eq!(mistakes(&scene(camera)), ["expected an array of 3 numbers"]);
     let domain = "f = 'x'\n[domain]\nmin = 3\nmax = [-5, -5, -5]";
     assert_eq!(mistakes(&scene(domain)), ["expected an array of 3 numbers"]);
+}
+
+const PARAMS: &str = "version = 1\n[params]\na = 1\nb = 'a/2'\n[let]\nq = 'x^2 + a'\n\
+    [[surface]]\nf = 'q + b'\n[[surface]]\nf = 'y = a'\n";
+
+/// The complaints about `settings`, with the texts that they mark.
+fn refused(settings: &[&str]) -> Vec<(String, String)> {
+    let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
+    let rejection = parse_with(Path::new("a.toml"), PARAMS, &settings).unwrap_err();
+    let sources = rejection.sources;
+    let marked = |mistake: Diagnostic| {
+        let (_, text) = sources.get(mistake.origin);
+        (mistake.message, text[mistake.span].to_owned())
+    };
+    rejection.diagnostics.into_iter().map(marked).collect()
+}
+
+#[test]
+fn settings_take_the_place_of_parameters() {
+    let tape = |settings: &[&str]| {
+        let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
+        let scene = parse_with(Path::new("a.toml"), PARAMS, &settings).unwrap();
+        format!("{:?}", scene.surfaces[1].expr.tape())
+    };
+    assert_eq!(tape(&[]), tape(&["a=1"]));
+    assert_ne!(tape(&[]), tape(&["a=2"]));
+    assert_eq!(tape(&["a=2"]), tape(&["a = 1+1"]));
+    assert_eq!(tape(&["a=5", "a=2"]), tape(&["a=2"]), "the last one counts");
+}
+
+#[test]
+fn mistakes_in_settings_are_shown_in_the_setting() {
+    let refused = |setting| refused(&[setting]).remove(0);
+    let found = |message: &str, text: &str| (message.to_owned(), text.to_owned());
+    assert_eq!(refused("c=1"), found("the scene has no parameter `c`", "c"));
+    assert_eq!(refused("q=1"), found("the scene has no parameter `q`", "q"));
+    assert_eq!(refused("a"), found("the setting has no value", "a"));
+    assert_eq!(refused("a=1+*2"), found("nothing stands between `+` and `*`", "+*"));
+    assert_eq!(refused("a=1+foo"), found("unknown name `foo`", "foo"));
+}
+
+#[test]
+fn names_are_checked() {
+    let scene = |rest: &str| format!("{MINIMAL}{rest}");
+    assert_eq!(mistakes(&scene("[params]\nx = 1")), ["`x` is a coordinate"]);
+    assert_eq!(mistakes(&scene("[params]\n'a b' = 1")), ["`a b` is no name"]);
+    assert_eq!(mistakes(&scene("[params]\na = 1\n[let]\na = 'x'")), ["`a` is defined twice"]);
+    assert_eq!(
+        mistakes(&scene("[params]\na = [1]\nb = nan")),
+        ["expected a number or a formula in quotes", "expected a finite number"]
+    );
+    assert_eq!(mistakes(&scene("[[params]]\na = 1")), ["[params] is a section"]);
+}
+
+#[test]
+fn caps_need_clips() {
+    let scene = |rest: &str| format!("{MINIMAL}{rest}");
+    assert_eq!(mistakes(&scene("cap = true")), ["`cap` stands without `clip`"]);
+    assert_eq!(mistakes(&scene("[domain]\ncap = true")), ["`cap` stands without `clip`"]);
+    assert_eq!(mistakes(&scene("clip = 'x'")), ["`clip` must be an inequality"]);
+    assert_eq!(mistakes(&scene("[domain]\nclip = 'x = 1'")), ["`clip` must be an inequality"]);
 }
 
 #[test]

@@ -134,7 +134,7 @@ mod tests {
     use crate::expr;
 
     fn extent(formula: &str) -> Extent {
-        let expr = Expr::resolve(&expr::parse(formula).unwrap()).unwrap();
+        let expr = Expr::resolve(&expr::parse(formula).unwrap(), &[]).unwrap().expr;
         find_extent(&expr, SimdLevel::detect())
     }
 
