@@ -51,9 +51,7 @@ pub fn choose_domain<'a>(
 #[must_use]
 pub fn why_empty(name: &str, expr: &Expr, domain: Aabb, simd: SimdLevel) -> String {
     if let Some(value) = expr.constant() {
-        return format!(
-            "`{name}` has no points: F is {value} everywhere, whatever x, y and z are"
-        );
+        return format!("`{name}` has no points: F is {value} everywhere, whatever x, y and z are");
     }
     let range = sample_field(expr, domain, simd);
     let found = match find_extent(expr, simd) {

@@ -73,6 +73,7 @@
 //! - **Determinism.** The same bits on any machine, with any number of threads, at any SIMD level.
 //! - **Whole files.** A file is complete or not there.
 
+pub mod advice;
 pub mod cli;
 pub mod diagnostic;
 mod error;

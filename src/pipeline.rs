@@ -2,18 +2,16 @@
 
 use std::{num::NonZeroUsize, path::PathBuf, thread, time::Instant};
 
-use glam::DVec3;
-
 use crate::{
-    Error, Result, limits,
-    math::{Aabb, Lattice, SimdLevel},
+    Error, Result, advice, limits,
+    math::{Lattice, SimdLevel},
     octree::{MortonOctree, Storage},
     output::{self, exr, png},
     progress::Progress,
     raster::{self, Camera, Frame, Layer},
     scene::{Scene, Surface},
     statistics::{self, Boxes, DomainBox, Statistics, Times, Voxels, hex},
-    voxelize::{self, Voxelization, sample_field},
+    voxelize::{self, Voxelization},
 };
 
 /// What the user may change for one run without touching the scene.
@@ -49,6 +47,8 @@ pub struct Picture {
     pub octrees: Vec<MortonOctree>,
     /// Numbers.
     pub statistics: Statistics,
+    /// What the user should know about how the scene was understood.
+    pub notes: Vec<String>,
 }
 
 /// Renders `scene` and writes its files.
@@ -58,12 +58,12 @@ pub struct Picture {
 /// [`Error::Interrupted`] if `progress` asks to stop, [`Error::Io`] and [`Error::Encode`] if a file
 /// cannot be written. No file is left half written.
 pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Report> {
-    let Picture { frame, mut statistics, .. } = render(scene, options, progress)?;
+    let Picture { frame, mut statistics, notes, .. } = render(scene, options, progress)?;
     let start = Instant::now();
     let written = write(scene, options, &frame, progress)?;
     statistics.time_s.write = start.elapsed().as_secs_f64();
     statistics.peak_memory_bytes = limits::peak_memory_bytes();
-    Ok(Report { statistics, written, notes: Vec::new() })
+    Ok(Report { statistics, written, notes })
 }
 
 /// Whether `scene` can be begun: whatever can be said of it without working on it.
@@ -73,9 +73,6 @@ pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<
 pub fn check(scene: &Scene) -> Result<()> {
     limits::check_image(&scene.image)
 }
-
-/// Stands in for a box that is found.
-const FALLBACK: Aabb = Aabb { min: DVec3::NEG_ONE, max: DVec3::ONE };
 
 /// Renders `scene` and writes nothing.
 ///
@@ -100,10 +97,14 @@ fn render_with_all_threads(
 ) -> Result<Picture> {
     let simd = options.simd.unwrap_or_else(SimdLevel::detect);
     limits::check_image(&scene.image)?;
-    let lattice = Lattice::new(
-        scene.domain.unwrap_or(FALLBACK),
-        options.resolution.unwrap_or(scene.resolution),
-    );
+    let mut notes = Vec::new();
+    let domain = scene.domain.unwrap_or_else(|| {
+        let surfaces = scene.surfaces.iter().map(|s| (s.name.as_str(), &s.expr));
+        let (domain, note) = advice::choose_domain(surfaces, simd);
+        notes.push(note);
+        domain
+    });
+    let lattice = Lattice::new(domain, options.resolution.unwrap_or(scene.resolution));
 
     let start = Instant::now();
     let mut voxelizations: Vec<Voxelization> = Vec::new();
@@ -118,6 +119,7 @@ fn render_with_all_threads(
     if n_voxels == 0 {
         return Err(nothing_found(scene, &lattice, simd));
     }
+    notes.extend(notes_on(scene, &voxelizations, &lattice, simd));
 
     let start = Instant::now();
     let layers: Vec<Layer<'_>> = scene
@@ -153,17 +155,32 @@ fn render_with_all_threads(
         peak_memory_bytes: limits::peak_memory_bytes(),
     };
     let octrees = voxelizations.into_iter().map(|found| found.octree).collect();
-    Ok(Picture { frame, octrees, statistics })
+    Ok(Picture { frame, octrees, statistics, notes })
 }
 
-/// Says why there is no voxel: what values F takes, and where it comes nearest to zero.
+/// Says why there is no voxel.
 fn nothing_found(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Error {
-    let describe = |surface: &Surface| {
-        let range = sample_field(&surface.expr, lattice.bounds(), simd);
-        format!("`{}` does not meet the domain: {range}", surface.name)
+    let why =
+        |surface: &Surface| advice::why_empty(&surface.name, &surface.expr, lattice.bounds(), simd);
+    Error::Empty(scene.surfaces.iter().map(why).collect::<Vec<_>>().join("\n"))
+}
+
+/// What the user should know about the surfaces that were found, and those that were not.
+fn notes_on(
+    scene: &Scene,
+    voxelizations: &[Voxelization],
+    lattice: &Lattice,
+    simd: SimdLevel,
+) -> Vec<String> {
+    let about = |(surface, found): (&Surface, &Voxelization)| {
+        let (name, expr) = (surface.name.as_str(), &surface.expr);
+        if found.octree.voxel_count() == 0 {
+            Some(advice::why_empty(name, expr, lattice.bounds(), simd))
+        } else {
+            advice::about(name, expr, &found.octree, lattice, simd)
+        }
     };
-    let surfaces: Vec<String> = scene.surfaces.iter().map(describe).collect();
-    Error::Empty(surfaces.join("\n"))
+    scene.surfaces.iter().zip(voxelizations).filter_map(about).collect()
 }
 
 fn write(

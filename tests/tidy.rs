@@ -10,7 +10,7 @@ use std::{
 
 /// Every top-level module with the modules that it may use; data flows from left to right through
 /// the pipeline, so nobody uses what comes after.
-const MAY_USE: [(&str, &[&str]); 15] = [
+const MAY_USE: [(&str, &[&str]); 16] = [
     ("math", &[]),
     ("diagnostic", &[]),
     ("progress", &[]),
@@ -24,6 +24,7 @@ const MAY_USE: [(&str, &[&str]); 15] = [
     ("scene", &["diagnostic", "expr", "math", "raster"]),
     ("statistics", &["math", "raster"]),
     ("limits", &["raster"]),
+    ("advice", &["expr", "math", "octree", "voxelize"]),
     (
         "pipeline",
         &[

@@ -108,6 +108,12 @@ impl Expr {
         self
     }
 
+    /// The value, if the formula does not depend on the coordinates.
+    #[must_use]
+    pub fn constant(&self) -> Option<f64> {
+        self.graph.nodes()[self.root as usize].constant().map(|c| c.value)
+    }
+
     /// The program, ready to run.
     #[must_use]
     pub fn tape(&self) -> Tape {
