@@ -170,7 +170,7 @@ fn names_are_checked() {
         mistakes(&scene("[params]\na = [1]\nb = nan")),
         ["expected a number or a formula in quotes", "expected a finite number"]
     );
-    assert_eq!(mistakes(&scene("[[params]]\na = 1")), ["[params] is a section"]);
+    assert_eq!(mistakes(&scene("[[params]]\na = 1")), ["[params] is written in single brackets"]);
 }
 
 #[test]
