@@ -50,7 +50,9 @@ fn syntax(error: &toml::de::Error, source: &str) -> Diagnostic {
     match message {
         "string values must be quoted" if !number.is_empty() => Diagnostic {
             message: "a number has no unit".to_owned(),
-            ..diagnostic.label("not a number").help(format!("write {number}"))
+            ..diagnostic
+                .label("not a number")
+                .help(format!("write {number}, or a formula in quotes"))
         },
         "string values must be quoted" => diagnostic
             .label("not in quotes")
