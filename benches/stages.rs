@@ -32,6 +32,10 @@ fn pool(threads: usize) -> ThreadPool {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
 }
 
+fn lattice(scene: &Scene) -> Lattice {
+    Lattice::new(scene.domain.unwrap(), scene.resolution)
+}
+
 fn find(scene: &Scene, lattice: &Lattice) -> MortonOctree {
     let expr = &scene.surfaces[0].expr;
     voxelize(expr, lattice, SimdLevel::detect(), u32::MAX, &Unwatched).unwrap().octree
@@ -52,14 +56,14 @@ fn scene_file(name: &str) -> Scene {
 #[divan::bench(args = SCENES, consts = THREADS)]
 fn voxelization<const N: usize>(bencher: Bencher<'_, '_>, name: &str) {
     let (scene, pool) = (load(name), pool(N));
-    let lattice = Lattice::new(scene.domain, scene.resolution);
+    let lattice = lattice(&scene);
     bencher.bench(|| pool.install(|| find(&scene, &lattice)));
 }
 
 #[divan::bench(args = SCENES, consts = THREADS)]
 fn rasterization<const N: usize>(bencher: Bencher<'_, '_>, name: &str) {
     let (scene, pool) = (load(name), pool(N));
-    let lattice = Lattice::new(scene.domain, scene.resolution);
+    let lattice = lattice(&scene);
     let octree = find(&scene, &lattice);
     bencher.bench(|| pool.install(|| draw(&scene, &lattice, &octree)));
 }
@@ -79,6 +83,6 @@ fn exr_file<const N: usize>(bencher: Bencher<'_, '_>, name: &str) {
 
 fn frame(name: &str) -> Frame {
     let scene = load(name);
-    let lattice = Lattice::new(scene.domain, scene.resolution);
+    let lattice = lattice(&scene);
     draw(&scene, &lattice, &find(&scene, &lattice))
 }

@@ -25,7 +25,8 @@ pub fn max_voxels() -> u32 {
 /// # Errors
 /// [`Error::Limit`] if it does not.
 pub fn check_image(image: &ImageSettings) -> Result<()> {
-    let needed = u64::from(image.width) * u64::from(image.height) * BYTES_PER_PIXEL;
+    let n_pixels = u64::from(image.width) * u64::from(image.height);
+    let needed = n_pixels.saturating_mul(BYTES_PER_PIXEL);
     match room() {
         Some(room) if needed > room => Err(Error::Limit(format!(
             "a picture of {} x {} pixels needs {} MiB, and {} MiB are what the machine has for \

@@ -8,8 +8,8 @@ use std::{
     process::{Command, Output, Stdio},
 };
 
-const SPHERE: &str = "version = 1\n[[surface]]\nf = \"x^2 + y^2 + z^2 = 0.5\"\n\
-    [image]\nwidth = 32\nheight = 32\n";
+const SPHERE: &str = "version = 1\n[params]\na = 0.5\n[[surface]]\nf = \"x^2 + y^2 + z^2 = a\"\n\
+    [domain]\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n[image]\nwidth = 32\nheight = 32\n";
 
 /// Renders in an empty directory that holds `a.toml`, `b.toml` (good) and `bad.toml`.
 fn render(arguments: &[&str]) -> (Output, tempfile::TempDir) {
@@ -52,7 +52,7 @@ fn help_and_version_go_to_stdout() {
     let (output, _) = render(&["--help"]);
     let help = String::from_utf8(output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(0));
-    for part in ["--resolution", "--stats", "Examples:", "Exit codes:"] {
+    for part in ["--resolution", "--set", "check ", "schema ", "Examples:", "Exit codes:"] {
         assert!(help.contains(part), "{part} is not in\n{help}");
     }
     let (output, _) = render(&["--version"]);
@@ -67,6 +67,9 @@ fn wrong_arguments_exit_with_2() {
         &["a.toml", "--threads", "0"],
         &["a.toml", "--resolution", "99999999"],
         &["a.toml", "--nonsense"],
+        &["check"],
+        &["check", "a.toml", "--threads", "2"],
+        &["completions", "tcsh"],
     ] {
         let (output, _) = render(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
@@ -87,6 +90,80 @@ fn a_failed_scene_does_not_stop_the_others() {
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("unknown version 3"));
     assert!(stderr(&output).contains("a.toml: wrote"));
+    let last = stderr(&output).lines().last().unwrap().to_owned();
+    assert!(last.starts_with("1 rendered, 2 failed, "), "{last}");
+}
+
+#[test]
+fn several_scenes_are_summed_up() {
+    let (output, _) = render(&["a.toml", "b.toml", "--resolution", "8"]);
+    assert_eq!(stderr(&output).lines().count(), 3, "{output:?}");
+    assert!(stderr(&output).contains("2 rendered, 0 failed, "));
+    let (output, _) = render(&["a.toml", "b.toml", "--resolution", "8", "--quiet"]);
+    assert_eq!(output.stderr, b"");
+}
+
+#[test]
+fn parameters_are_set() {
+    let voxels = |arguments: &[&str]| {
+        let (output, _) =
+            render(&[&["a.toml", "--resolution", "16", "--stats", "-"], arguments].concat());
+        let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        value["voxels"]["stored"].as_u64().unwrap()
+    };
+    assert_eq!(voxels(&["--set", "a=1/2"]), voxels(&[]));
+    assert!(voxels(&["--set", "a=0.1"]) < voxels(&[]));
+    let (output, _) = render(&["a.toml", "--set", "b=1"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("the scene has no parameter `b`"), "{output:?}");
+}
+
+#[test]
+fn checking_writes_one_line_for_each_scene_and_no_file() {
+    let (output, directory) = render(&["check", "a.toml", "b.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(output.stdout.is_empty());
+    assert_eq!(stderr(&output).lines().count(), 2, "{output:?}");
+    assert!(stderr(&output).starts_with("a.toml: fine: 1 surface in the box from "), "{output:?}");
+    assert!(!directory.path().join("out").exists());
+    let (output, _) = render(&["check", "bad.toml", "a.toml", "nowhere.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("unknown version 3"));
+    assert!(stderr(&output).contains("cannot read nowhere.toml"));
+    let (output, _) = render(&["check", "a.toml", "--quiet"]);
+    assert_eq!(output.stderr, b"");
+}
+
+#[test]
+fn a_scene_may_be_called_like_a_subcommand() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("check"), SPHERE).unwrap();
+    let output = command(directory.path()).args(["./check", "--resolution", "8"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(directory.path().join("out/check.png").exists());
+}
+
+#[test]
+fn warnings_do_not_fail_and_quiet_hides_them() {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = "version = 1\n[params]\nphi = 2\n[[surface]]\nf = \"x = phi\"\n";
+    fs::write(directory.path().join("a.toml"), scene).unwrap();
+    let output = command(directory.path()).args(["check", "a.toml"]).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(stderr(&output).starts_with("warning: `phi` "), "{output:?}");
+    let output = command(directory.path()).args(["check", "a.toml", "-q"]).output().unwrap();
+    assert_eq!(output.stderr, b"");
+}
+
+#[test]
+fn shells_and_manuals_are_served() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let (output, _) = render(&["completions", shell]);
+        assert_eq!(output.status.code(), Some(0));
+        assert!(String::from_utf8(output.stdout).unwrap().contains("resolution"), "{shell}");
+    }
+    let (output, _) = render(&["man"]);
+    assert!(String::from_utf8(output.stdout).unwrap().contains(".TH render 1"));
 }
 
 #[test]
@@ -134,7 +211,8 @@ fn a_closed_pipe_is_no_failure() {
 #[test]
 fn an_empty_result_tells_the_range_of_f() {
     let directory = tempfile::tempdir().unwrap();
-    let scene = "version = 1\n[[surface]]\nname = \"far\"\nf = \"x^2 + y^2 + z^2 + 1\"\n";
+    let scene = "version = 1\n[[surface]]\nname = \"far\"\nf = \"x^2 + y^2 + z^2 + 1\"\n\
+        [domain]\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n";
     fs::write(directory.path().join("a.toml"), scene).unwrap();
     let output = command(directory.path()).args(["a.toml"]).output().unwrap();
     assert_eq!(output.status.code(), Some(2));

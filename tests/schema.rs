@@ -77,7 +77,7 @@ fn mistakes_are_found() {
         ("inside = 'out'", "none of the choices"),
         ("specular = 2", "out of range"),
         ("[domain]\nmin = [0, 0]", "wrong length"),
-        ("[voxels]\nresolution = 0.5", "expected integer"),
+        ("[voxels]\nresolution = 2.5", "expected integer"),
         ("[[light]]\nintensity = 1", "`direction` is missing"),
         ("[params]\na = true", "expected"),
         ("[light]\ndirection = [0, 0, 1]", "expected array"),

@@ -11,7 +11,7 @@ const EXAMPLES: &str = "\
 Examples:
   render heart.toml                          write out/heart.png and out/heart.exr
   render heart.toml --resolution 64          a quick look
-  render knot.toml --set a=0.4 --set n=3     with other values in [params]
+  render knot.toml --set a=0.4 --set n=3     with other values of its parameters
   render *.toml --out pictures --quiet       many scenes, and nothing said unless something fails
   render heart.toml --stats - | jq .         what was done, as JSON
 
@@ -68,7 +68,7 @@ struct Input {
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
 
-    /// Give a name of [params] another value, a number or a formula; may be repeated
+    /// Give a parameter of the scenes another value, a number or a formula; may be repeated
     #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
 

@@ -223,7 +223,7 @@ fn settable(
 /// The name that formulas know `written` by, if it is one.
 fn identifier(written: &str) -> Option<String> {
     match parse(written).ok()?.nodes.as_slice() {
-        [(Node::Name(name), _)] => Some(name.clone()),
+        [(Node::Name(name), span)] if *span == (0..written.len()) => Some(name.clone()),
         _ => None,
     }
 }
@@ -244,7 +244,7 @@ mod tests {
     #[test]
     fn names_are_what_formulas_take_for_names() {
         assert_eq!(identifier("a_1").as_deref(), Some("a_1"));
-        for bad in ["", "2a", "a-b", "a b", "(a)", "1"] {
+        for bad in ["", "2a", "a-b", "a b", "(a)", " a", "1"] {
             assert_eq!(identifier(bad), None, "{bad}");
         }
     }

@@ -72,15 +72,23 @@ pub(super) fn refused(error: &toml::de::Error, at: Range<usize>, place: &str) ->
             .label(format!("no `{key}` in here"));
     }
     if let Some((found, expected)) = split(text, "invalid type: ", ", expected ") {
-        let diagnostic = with_help(at, &format!("expected {expected}"), Some(found));
-        return match expected.ends_with("number") && is_text_with_digits(found) {
-            true => diagnostic.help("write numbers without quotes and without a unit, as in 0.5"),
-            false => diagnostic,
-        };
+        return wrong_type(at, found, expected);
     }
     match text {
         "wanted string or table" => Diagnostic::new(at, "expected a word in quotes"),
         _ => with_help(at, text, None),
+    }
+}
+
+fn wrong_type(at: Range<usize>, found: &str, expected: &str) -> Diagnostic {
+    let expected = if expected == "a boolean" { "true or false" } else { expected };
+    let diagnostic = with_help(at, &format!("expected {expected}"), Some(found));
+    if expected.starts_with("an array of 3") {
+        return diagnostic.help("write numbers in square brackets, as in [0, -1.5, 2]");
+    }
+    match expected.ends_with("number") && is_text_with_digits(found) {
+        true => diagnostic.help("write numbers without quotes and without a unit, as in 0.5"),
+        false => diagnostic,
     }
 }
 

@@ -26,7 +26,7 @@ const MAX_RETRIES: usize = 16;
 pub(super) fn read(source: &str, errors: &mut Vec<Diagnostic>) -> Option<SceneSpec> {
     let (root, mistakes) = DeTable::parse_recoverable(source);
     if !mistakes.is_empty() {
-        errors.extend(mistakes.iter().map(syntax));
+        errors.extend(mistakes.iter().map(|mistake| syntax(mistake, source)));
         return None;
     }
     let root = root.into_inner();
@@ -37,22 +37,42 @@ pub(super) fn read(source: &str, errors: &mut Vec<Diagnostic>) -> Option<SceneSp
     Some(sections(root, source, errors))
 }
 
-/// TOML's own words, cut in message and label.
-fn syntax(error: &toml::de::Error) -> Diagnostic {
+/// TOML's own words, cut in message and label, with help for what people write often.
+fn syntax(error: &toml::de::Error, source: &str) -> Diagnostic {
     let (message, label) = match error.message().split_once(", expected ") {
         Some((message, expected)) => (message, format!("expected {expected}")),
         None => (error.message(), String::new()),
     };
-    let diagnostic = Diagnostic::new(error.span().unwrap_or(0..0), message).label(label);
+    let span = error.span().unwrap_or(0..0);
+    let written = source.get(span.clone()).unwrap_or_default();
+    let number = number_of_quantity(written);
+    let diagnostic = Diagnostic::new(span, message).label(label);
     match message {
+        "string values must be quoted" if !number.is_empty() => Diagnostic {
+            message: "a number has no unit".to_owned(),
+            ..diagnostic
+                .label("not a number")
+                .help(format!("write {number}, or a formula in quotes"))
+        },
         "string values must be quoted" => diagnostic
             .label("not in quotes")
             .help("write text and formulas in quotes, as in f = \"x^2 + y^2 = 1\""),
         "duplicate key" => diagnostic.label("given before").help(
             "remove one of the two; a second surface is a second [[surface]], in double brackets",
         ),
+        "invalid key-value pair" => diagnostic
+            .help("a scene is written in TOML: lines such as [section], key = value and # comment"),
         _ => diagnostic,
     }
+}
+
+/// The number of a quantity such as `3.5mm` or `10 voxels`; nothing if it is something else.
+fn number_of_quantity(written: &str) -> &str {
+    let is_digit = |c: char| c.is_ascii_digit() || c == '.';
+    let digits = written.find(|c| !is_digit(c)).unwrap_or(written.len());
+    let unit = written[digits..].trim_start();
+    let is_unit = !unit.is_empty() && unit.chars().all(|c| c.is_alphabetic() || c == '%');
+    if is_unit { &written[..digits] } else { "" }
 }
 
 fn check_version(root: &DeTable<'_>) -> Result<(), Diagnostic> {
@@ -141,9 +161,17 @@ fn names(
     errors: &mut Vec<Diagnostic>,
 ) -> Named {
     let span = value.span();
-    let DeValue::Table(table) = value.into_inner() else {
-        errors.push(no_table(name, span));
-        return Named::default();
+    let table = match value.into_inner() {
+        DeValue::Table(table) => table,
+        DeValue::Array(_) => {
+            let mistake = Diagnostic::new(span, format!("{name} is written in single brackets"));
+            errors.push(mistake.label(format!("expected {name}")));
+            return Named::default();
+        }
+        _ => {
+            errors.push(no_table(name, span));
+            return Named::default();
+        }
     };
     Named::read(table, source, errors)
 }

@@ -8,6 +8,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::{
     Error,
+    diagnostic::Origin,
     math::Aabb,
     raster::{Axes, Light, Placement, Projection},
 };
@@ -170,7 +171,7 @@ fn names_are_checked() {
         mistakes(&scene("[params]\na = [1]\nb = nan")),
         ["expected a number or a formula in quotes", "expected a finite number"]
     );
-    assert_eq!(mistakes(&scene("[[params]]\na = 1")), ["[params] is a section"]);
+    assert_eq!(mistakes(&scene("[[params]]\na = 1")), ["[params] is written in single brackets"]);
 }
 
 #[test]
@@ -210,13 +211,32 @@ proptest! {
 |version|\[\[surface\]\]
 |\[camera\]
 |\[image\]
+|\[params\]
+|\[let\]
+|\[domain\]
+|\[\[light\]\]
+|a = "b"
+|b = "2*a"
+|clip = "x < a"
 |f = "x"
 |f|eye|up|color|width|png|[0-9]|nan|inf|=|=|"|'|\{|\}|\[|\]|,|\.|-|é| |
 ){0,60}"#,
     ) {
         if let Err(rejection) = parse(Path::new("a.toml"), &soup) {
             for mistake in &rejection.diagnostics {
+                prop_assert_eq!(mistake.origin, Origin::File);
                 prop_assert!(soup.get(mistake.span.clone()).is_some(), "{mistake:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn settings_give_an_answer_with_spans_in_them(setting in "[ab= x+(1é\"-]{0,12}") {
+        let settings = [setting];
+        if let Err(rejection) = parse_with(Path::new("a.toml"), PARAMS, &settings) {
+            for mistake in &rejection.diagnostics {
+                let (_, text) = rejection.sources.get(mistake.origin);
+                prop_assert!(text.get(mistake.span.clone()).is_some(), "{mistake:?}");
             }
         }
     }
