@@ -111,7 +111,12 @@ fn simplify_binary(op: Binary, a: Id, b: Id, node_of: impl Fn(Id) -> Node + Copy
         Binary::Mul if is(b, -1.0) => negated(a),
         Binary::Mul if a == b => Simplified::Node(Node::Unary(Unary::Square, a)),
         Binary::Min | Binary::Max if a == b => Simplified::Alias(a),
+        Binary::Sub if a == b => Simplified::Node(Node::Constant(Constant::exact(0.0))),
         _ if op.commutes() && node_of(a).constant().is_some() => {
+            Simplified::Node(Node::Binary(op, b, a))
+        }
+        // One order, so that a b and b a are one node.
+        _ if op.commutes() && b < a && node_of(b).constant().is_none() => {
             Simplified::Node(Node::Binary(op, b, a))
         }
         _ => Simplified::Node(Node::Binary(op, a, b)),
@@ -433,6 +438,15 @@ mod tests {
         let (x, y) = (g.variable(0), g.variable(1));
         assert_eq!(g.add(x, y), g.add(x, y));
         assert_eq!(g.mul(x, x), g.powi(x, 2));
+    }
+
+    #[test]
+    fn a_difference_of_equals_is_zero() {
+        let mut g = Graph::default();
+        let (x, y) = (g.variable(0), g.variable(1));
+        let (a, b) = (g.mul(x, y), g.mul(y, x));
+        let difference = g.sub(a, b);
+        assert_eq!(g.node(difference).constant(), Some(&Constant::exact(0.0)));
     }
 
     #[test]

@@ -22,10 +22,8 @@ use super::{
 };
 use crate::diagnostic::Diagnostic;
 
+mod brackets;
 mod juxtapose;
-
-/// The deepest nesting of brackets, calls and absolute values.
-const MAX_DEPTH: usize = 1000;
 
 /// Parses a formula. Names and numbers of arguments are not checked.
 ///
@@ -265,59 +263,6 @@ impl Parser<'_> {
         right
     }
 
-    /// Closes a group or a call at `)`; `last` is what stands before it, if anything does.
-    fn close_bracket(
-        &mut self,
-        last: Option<Operand>,
-        close: &Token,
-    ) -> Result<Operand, Diagnostic> {
-        self.depth = self.depth.saturating_sub(1);
-        match (self.stack.pop(), last) {
-            (Some(Frame::Group(open)), Some(Operand { node, .. })) => {
-                Ok(Operand { node, span: open.start..close.span.end })
-            }
-            (Some(Frame::Call(Call { name, power, mut args, .. })), last) => {
-                args.extend(last.map(|argument| argument.node));
-                let function = lex::name(&self.text[name.clone()]).to_owned();
-                let span = name.start..close.span.end;
-                let call = Operand { span, ..self.push(Node::Call(function, args), name) };
-                Ok(match power {
-                    Some(power) => self.raised(call, power),
-                    None => call,
-                })
-            }
-            (Some(Frame::Bars(open, _)), _) => Err(syntax::never_closed(&open, true)),
-            _ => Err(syntax::stray_close(close.span.clone())),
-        }
-    }
-
-    /// Whether a bar after a value closes one: none of another kind may be open inside.
-    fn closes_bars(&self) -> bool {
-        let mut open = self.stack.iter().rev().filter(|frame| frame.right_power() == 0);
-        matches!(open.next(), Some(Frame::Bars(..)))
-    }
-
-    /// Closes an absolute value at the second `|`.
-    fn close_bars(&mut self, inner: &Operand, close: &Token) -> Operand {
-        let start = match self.stack.pop() {
-            Some(Frame::Bars(open, _)) => open.start,
-            _ => unreachable!("a bar was found open"),
-        };
-        self.depth -= 1;
-        self.push(Node::Abs(inner.node), start..close.span.end)
-    }
-
-    /// Takes an argument at the comma after it.
-    fn argument(&mut self, argument: &Operand, comma: Range<usize>) -> Result<(), Diagnostic> {
-        match self.stack.last_mut() {
-            Some(Frame::Call(Call { args, .. })) => {
-                args.push(argument.node);
-                Ok(())
-            }
-            _ => Err(syntax::stray_comma(comma)),
-        }
-    }
-
     /// Takes the left side of an equation or a comparison at the sign after it.
     fn relation(
         &mut self,
@@ -355,42 +300,9 @@ impl Parser<'_> {
         }
     }
 
-    /// The complaint about the innermost open bracket. A bar after a value was perhaps meant to
-    /// close one further out.
-    fn never_closed(&self) -> Diagnostic {
-        let mut open = self.stack.iter().filter_map(|frame| match frame {
-            Frame::Bars(open, after_value) => Some((open, true, *after_value)),
-            Frame::Group(open) | Frame::Call(Call { open, .. }) => Some((open, false, false)),
-            _ => None,
-        });
-        let innermost = open.clone().rev().find(|&(.., after_value)| !after_value);
-        match innermost.or_else(|| open.next()) {
-            Some((open, is_bar, _)) => syntax::never_closed(open, is_bar),
-            None => Diagnostic::new(0..self.text.len(), "a bracket is never closed"),
-        }
-    }
-
-    /// Whether the token before the current one opened the innermost bracket.
-    fn last_opened_just_now(&self) -> bool {
-        match self.stack.last() {
-            Some(Frame::Group(_) | Frame::Bars(..)) => true,
-            Some(Frame::Call(Call { args, .. })) => args.is_empty(),
-            _ => false,
-        }
-    }
-
     fn push(&mut self, node: Node, span: Range<usize>) -> Operand {
         self.nodes.push((node, span.clone()));
         Operand { node: (self.nodes.len() - 1) as NodeId, span }
-    }
-
-    fn open(&mut self, frame: Frame, at: Range<usize>) -> Result<(), Diagnostic> {
-        if self.depth == MAX_DEPTH {
-            return Err(syntax::too_deep(at, MAX_DEPTH));
-        }
-        self.depth += 1;
-        self.stack.push(frame);
-        Ok(())
     }
 
     fn quote(&self) -> Quote<'_> {

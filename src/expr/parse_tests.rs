@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::*;
+use super::{brackets::MAX_DEPTH, *};
 
 /// The tree with all its brackets.
 fn show(ast: &Ast) -> String {

@@ -304,6 +304,56 @@ fn sizes_and_chains_are_no_danger() {
     });
 }
 
+/// The longest texts of every shape, well formed or not: quadratic time would be minutes.
+#[test]
+fn long_texts_take_linear_time() {
+    let begun = std::time::Instant::now();
+    let shapes = [
+        "x+",
+        "x ",
+        "-",
+        "x^",
+        "x^-",
+        "√",
+        "x²",
+        "(",
+        "(x)",
+        "|",
+        "x|",
+        "|x|",
+        "2|x|+",
+        "x/",
+        "x^2y",
+        "max(x,",
+        "sin(x)",
+        "f(",
+        ",",
+        "=",
+        "x<",
+        "foo+",
+        "a+",
+        "b*",
+        "sin²(x)",
+        "1/2*",
+        "smin(x,y,1)-",
+        "|x||",
+        "-√",
+        "x^(2)",
+        "2^3*",
+    ];
+    let lines = definitions(&["a: 1", "b = x"]);
+    for shape in shapes {
+        let n_tokens = shape.chars().filter(|c| *c != ' ').count();
+        for end in ["", "y"] {
+            let Ok(ast) = parse(&(shape.repeat(100_000 / n_tokens - 1) + end)) else { continue };
+            if let Ok(resolved) = resolve(&ast, &lines) {
+                let _ = resolved.expr.tape();
+            }
+        }
+    }
+    assert!(begun.elapsed().as_secs() < 60, "{:?}", begun.elapsed());
+}
+
 #[test]
 fn parts_are_shared() {
     let lines = ["s = sin(x*y) + 1", "t = s^2"];

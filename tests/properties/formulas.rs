@@ -40,6 +40,14 @@ pub(crate) fn formula() -> impl Strategy<Value = String> {
         "sin(2*theta+(A))",
         "cos(theta-3*phi+(A))",
         "sin(0.5*theta)+(A)",
+        "tanh(A)",
+        "tan(0.3*(A))",
+        "cbrt(A)",
+        "floor(2*(A))",
+        "mod(A,1.5)",
+        "step(0.3,A)-0.5",
+        "smoothstep(-1,1,A)",
+        "log2(2+abs(A))",
     ]);
     let binary = prop::sample::select(vec![
         "(A)+(B)",
@@ -52,6 +60,10 @@ pub(crate) fn formula() -> impl Strategy<Value = String> {
         "atan2(A,B)",
         "sin(3*atan2(A,B))",
         "(A)+0.3*(B)",
+        "hypot(A,B)",
+        "smin(A,B,0.3)",
+        "smax(A,B,0.3)",
+        "mod(A,B)",
     ]);
     leaf.prop_map(str::to_owned).prop_recursive(6, 64, 2, move |inner| {
         prop_oneof![

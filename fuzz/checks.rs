@@ -1,0 +1,60 @@
+//! What must hold for any bytes: no panic, and every mistake marks text that is there.
+
+use std::{ops::Range, path::Path};
+
+use zeroset::{
+    expr::{Definition, DefinitionKind, Expr, parse},
+    scene,
+};
+
+/// Reads the last line as a formula and those before it as definitions: `a: 1` is a parameter,
+/// `a = x` a part. What is read is resolved and made a tape.
+pub(crate) fn formula(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let mut lines: Vec<&str> = text.split('\n').collect();
+    let formula = lines.pop().unwrap_or_default();
+    let mut formulas = Vec::new();
+    let mut definitions = Vec::new();
+    for line in lines {
+        let Some(at) = line.find([':', '=']) else { continue };
+        let is_parameter = line[at..].starts_with(':');
+        let kind = if is_parameter { DefinitionKind::Parameter } else { DefinitionKind::Let };
+        let ast = parse(&line[at + 1..]).unwrap_or_else(|mistakes| {
+            mistakes.iter().for_each(|mistake| check_span(&line[at + 1..], &mistake.span));
+            Default::default()
+        });
+        formulas.push(&line[at + 1..]);
+        definitions.push(Definition { name: line[..at].trim().to_owned(), kind, ast });
+    }
+    let ast = match parse(formula) {
+        Ok(ast) => ast,
+        Err(mistakes) => {
+            return mistakes.iter().for_each(|mistake| check_span(formula, &mistake.span));
+        }
+    };
+    ast.nodes.iter().for_each(|(_, span)| check_span(formula, span));
+    let said = match Expr::resolve(&ast, &definitions) {
+        Ok(resolved) => {
+            assert!(resolved.expr.tape().n_slots() >= 3, "room for the coordinates");
+            resolved.warnings
+        }
+        Err(mistakes) => mistakes,
+    };
+    for mistake in said {
+        let text = mistake.definition.map_or(formula, |index| formulas[index]);
+        check_span(text, &mistake.diagnostic.span);
+    }
+}
+
+/// Reads a scene file.
+pub(crate) fn scene(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    if let Err(rejection) = scene::parse(Path::new("fuzz.toml"), text) {
+        assert!(!rejection.diagnostics.is_empty(), "refused without a reason");
+        rejection.diagnostics.iter().for_each(|mistake| check_span(text, &mistake.span));
+    }
+}
+
+fn check_span(text: &str, span: &Range<usize>) {
+    assert!(text.get(span.clone()).is_some(), "{span:?} is no part of {text:?}");
+}
