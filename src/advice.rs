@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::{
     expr::Expr,
     math::{Aabb, Lattice, SimdLevel},
-    octree::MortonOctree,
+    octree::{MortonOctree, Storage as _},
     voxelize::{Extent, FieldRange, find_extent, sample_field},
 };
 
@@ -14,6 +14,9 @@ pub const FALLBACK_DOMAIN: Aabb = Aabb { min: DVec3::splat(-5.0), max: DVec3::sp
 
 /// A surface that fills less than this part of the domain's longest edge deserves a smaller one.
 const SMALL_PART: f64 = 0.1;
+
+/// A surface that may meet more than this part of all voxels was hardly told from space itself.
+const LARGE_PART: f64 = 0.5;
 
 /// How much larger than the surface its extent may be, as a part of the extent's longest edge: it
 /// is found with coarse voxels and rounded.
@@ -78,8 +81,8 @@ fn nearest(range: &FieldRange) -> String {
     }
 }
 
-/// What the user may want to know about a surface that was found: that the domain cuts it though
-/// it could hold all of it, or that the domain is far too large.
+/// What the user may want to know about a surface that was found: that it could hardly be excluded
+/// from anywhere, that the domain cuts it though it could hold all of it, or is far too large.
 #[must_use]
 pub fn about(
     name: &str,
@@ -90,6 +93,14 @@ pub fn about(
 ) -> Option<String> {
     let (least, most) = octree.bounds()?;
     let n = lattice.n_voxels();
+    let part = f64::from(octree.voxel_count()) / n.map(f64::from).iter().product::<f64>();
+    if part > LARGE_PART {
+        return Some(format!(
+            "`{name}` was excluded from only {:.0} % of the voxels: F may be 0 everywhere, or its \
+             formula is too involved for this resolution",
+            100.0 * (1.0 - part)
+        ));
+    }
     let is_cut = (0..3).any(|axis| least[axis] == 0 || most[axis] + 1 == n[axis]);
     let edge = (0..3).map(|axis| most[axis] + 1 - least[axis]).max().unwrap_or(0);
     let longest = n.into_iter().max().unwrap_or(1);

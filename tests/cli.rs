@@ -252,3 +252,40 @@ fn an_interrupt_leaves_no_file() {
     assert_eq!(output.status.code(), Some(130), "{output:?}");
     assert!(!directory.path().join("out").exists());
 }
+
+/// What is said about a scene with the sphere x² + y² + z² = 4 in the box given.
+fn said_about_sphere(formula: &str, domain: &str) -> String {
+    let directory = tempfile::tempdir().unwrap();
+    let scene = format!(
+        "version = 1\n[[surface]]\nname = \"it\"\nf = \"{formula}\"\n{domain}\n\
+         [voxels]\nresolution = 64\n[image]\nwidth = 16\nheight = 16\n"
+    );
+    fs::write(directory.path().join("a.toml"), scene).unwrap();
+    stderr(&command(directory.path()).args(["a.toml"]).output().unwrap())
+}
+
+#[test]
+fn a_domain_that_does_not_fit_is_told() {
+    let sphere = "x^2 + y^2 + z^2 = 4";
+    let lies_in = "all of it lies in min = [-2.1, -2.1, -2.1], max = [2.1, 2.1, 2.1]";
+    let found = said_about_sphere(sphere, "");
+    assert!(found.contains(&format!("note: a.toml: {lies_in}, which is searched")), "{found}");
+    let cut = said_about_sphere(sphere, "[domain]\nmin = [-1, -1, -1]\nmax = [3, 3, 3]");
+    assert!(cut.contains(&format!("the domain cuts `it`: {lies_in}")), "{cut}");
+    let small = said_about_sphere(sphere, "[domain]\nmin = [-90, -90, -90]\nmax = [90, 90, 90]");
+    assert!(small.contains(&format!("of 64 voxels: {lies_in}")), "{small}");
+    let away = said_about_sphere(sphere, "[domain]\nmin = [7, 7, 7]\nmax = [9, 9, 9]");
+    assert!(away.contains("if it has points, they lie in min = [-2.1, -2.1, -2.1]"), "{away}");
+    let fitting = said_about_sphere(sphere, "[domain]\nmin = [-3, -3, -3]\nmax = [3, 3, 3]");
+    assert!(fitting.starts_with("a.toml: wrote"), "{fitting}");
+}
+
+#[test]
+fn a_formula_without_a_surface_is_told() {
+    let constant = said_about_sphere("3 - 2", "");
+    assert!(constant.contains("F is 1 everywhere, whatever x, y and z are"), "{constant}");
+    let zero = said_about_sphere("0.1*x - x/10", "");
+    assert!(zero.contains("`it` was excluded from only 0 % of the voxels"), "{zero}");
+    let endless = said_about_sphere("x + y + z", "");
+    assert!(endless.contains("no bound was found for `it` within 2^20 of the origin"), "{endless}");
+}

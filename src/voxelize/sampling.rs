@@ -18,7 +18,7 @@ pub struct FieldRange {
     pub least: Option<(f64, DVec3)>,
     /// The largest value and its place.
     pub most: Option<(f64, DVec3)>,
-    /// Points at which F is undefined.
+    /// Points at which F is undefined or infinite.
     pub n_undefined: u32,
     /// Points in all.
     pub n_points: u32,
@@ -67,7 +67,7 @@ impl SimdTask for Task {
 
 impl FieldRange {
     fn add(&mut self, value: f64, place: DVec3) {
-        if value.is_nan() {
+        if !value.is_finite() {
             self.n_undefined += 1;
             return;
         }
