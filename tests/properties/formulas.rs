@@ -200,6 +200,9 @@ proptest! {
         text in formula(),
         p in [-2.0..2.0_f64, -2.0..2.0_f64, -2.0..2.0_f64],
     ) {
+        if ["floor", "mod", "step("].iter().any(|jumps| text.contains(jumps)) {
+            return Ok(()); // differences across a jump say nothing about gradients
+        }
         let tape = expr(&text).tape();
         let gradient_at = |p: [f64; 3]| {
             let inputs = [0, 1, 2].map(|axis| Dual::variable(Point(p[axis]), axis));
