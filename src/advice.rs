@@ -15,6 +15,10 @@ pub const FALLBACK_DOMAIN: Aabb = Aabb { min: DVec3::splat(-5.0), max: DVec3::sp
 /// A surface that fills less than this part of the domain's longest edge deserves a smaller one.
 const SMALL_PART: f64 = 0.1;
 
+/// How much larger than the surface its extent may be, as a part of the extent's longest edge: it
+/// is found with coarse voxels and rounded.
+const EXTENT_SLACK: f64 = 0.05;
+
 /// The box that holds all of `surfaces`, for a scene that gives none, and a note that says which.
 #[must_use]
 pub fn choose_domain<'a>(
@@ -95,7 +99,9 @@ pub fn about(
     }
     let Extent::Within(bounds) = find_extent(expr, simd) else { return None };
     let domain = lattice.bounds();
-    let leaves = (bounds.min.cmplt(domain.min) | bounds.max.cmpgt(domain.max)).any();
+    let slack = EXTENT_SLACK * bounds.size().max_element();
+    let leaves =
+        (bounds.min.cmplt(domain.min - slack) | bounds.max.cmpgt(domain.max + slack)).any();
     if is_cut && leaves {
         Some(format!("the domain cuts `{name}`: all of it lies in {}", toml(bounds)))
     } else if is_small {

@@ -82,28 +82,26 @@ impl Binary {
 /// G vectors of numbers.
 pub type Slot<N, const G: usize> = [N; G];
 
-#[inline(always)]
-fn map<N: Number, const G: usize>(
-    slots: &mut [Slot<N, G>],
-    notes: &mut [NotesOf<N>; G],
-    (a, out): (usize, usize),
-    f: impl Fn(N, &mut NotesOf<N>) -> N,
-) {
-    for g in 0..G {
-        slots[out][g] = f(slots[a][g], &mut notes[g]);
-    }
-}
-
-#[inline(always)]
-fn zip<N: Number, const G: usize>(
-    slots: &mut [Slot<N, G>],
-    notes: &mut [NotesOf<N>; G],
-    (a, b, out): (usize, usize, usize),
-    f: impl Fn(N, N, &mut NotesOf<N>) -> N,
-) {
-    for g in 0..G {
-        slots[out][g] = f(slots[a][g], slots[b][g], &mut notes[g]);
-    }
+/// Runs an expression of `$a` and the notes `$n` for every vector of a slot. A macro, because a
+/// closure would have to be told to be inlined at every use.
+macro_rules! each {
+    ($slots:ident, $notes:ident, ($a_at:expr => $out:expr), |$a:ident, $n:pat_param| $result:expr) => {
+        for g in 0..G {
+            let $a = $slots[$a_at][g];
+            let $n = &mut $notes[g];
+            $slots[$out][g] = $result;
+        }
+    };
+    (
+        $slots:ident, $notes:ident, ($a_at:expr, $b_at:expr => $out:expr),
+        |$a:ident, $b:ident, $n:pat_param| $result:expr
+    ) => {
+        for g in 0..G {
+            let ($a, $b) = ($slots[$a_at][g], $slots[$b_at][g]);
+            let $n = &mut $notes[g];
+            $slots[$out][g] = $result;
+        }
+    };
 }
 
 impl Unary {
@@ -113,149 +111,27 @@ impl Unary {
         self,
         slots: &mut [Slot<N, G>],
         notes: &mut [NotesOf<N>; G],
-        at: (usize, usize),
+        (at, out): (usize, usize),
     ) {
         match self {
-            Self::Neg => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.neg(),
-            ),
-            Self::Recip => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, n| a.recip(n),
-            ),
-            Self::Square => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.square(),
-            ),
-            Self::Powi(n) => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.powi(n),
-            ),
-            Self::Sqrt => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, n| a.sqrt(n),
-            ),
-            Self::Abs => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.abs(),
-            ),
-            Self::Wave(Wave::Sin) => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.wave(Wave::Sin),
-            ),
-            Self::Wave(Wave::Cos) => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.wave(Wave::Cos),
-            ),
-            Self::Exp => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.exp(),
-            ),
-            Self::Ln => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, n| a.ln(n),
-            ),
-            Self::Acos => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, n| a.acos(n),
-            ),
-            Self::Asin => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, n| a.asin(n),
-            ),
-            Self::Atan => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.atan(),
-            ),
-            Self::Tan => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, n| a.tan(n),
-            ),
-            Self::Hyperbolic(Hyperbolic::Sinh) => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.hyperbolic(Hyperbolic::Sinh),
-            ),
-            Self::Hyperbolic(Hyperbolic::Cosh) => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.hyperbolic(Hyperbolic::Cosh),
-            ),
-            Self::Hyperbolic(Hyperbolic::Tanh) => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.hyperbolic(Hyperbolic::Tanh),
-            ),
-            Self::Cbrt => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.cbrt(),
-            ),
-            Self::Smoothstep => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.smoothstep(),
-            ),
-            Self::Step(step) => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, n| a.step(step, n),
-            ),
+            Self::Neg => each!(slots, notes, (at => out), |a, _| a.neg()),
+            Self::Recip => each!(slots, notes, (at => out), |a, n| a.recip(n)),
+            Self::Square => each!(slots, notes, (at => out), |a, _| a.square()),
+            Self::Powi(exponent) => each!(slots, notes, (at => out), |a, _| a.powi(exponent)),
+            Self::Sqrt => each!(slots, notes, (at => out), |a, n| a.sqrt(n)),
+            Self::Abs => each!(slots, notes, (at => out), |a, _| a.abs()),
+            Self::Wave(Wave::Sin) => each!(slots, notes, (at => out), |a, _| a.wave(Wave::Sin)),
+            Self::Wave(Wave::Cos) => each!(slots, notes, (at => out), |a, _| a.wave(Wave::Cos)),
+            Self::Exp => each!(slots, notes, (at => out), |a, _| a.exp()),
+            Self::Ln => each!(slots, notes, (at => out), |a, n| a.ln(n)),
+            Self::Acos => each!(slots, notes, (at => out), |a, n| a.acos(n)),
+            Self::Asin => each!(slots, notes, (at => out), |a, n| a.asin(n)),
+            Self::Atan => each!(slots, notes, (at => out), |a, _| a.atan()),
+            Self::Tan => each!(slots, notes, (at => out), |a, n| a.tan(n)),
+            Self::Hyperbolic(f) => each!(slots, notes, (at => out), |a, _| a.hyperbolic(f)),
+            Self::Cbrt => each!(slots, notes, (at => out), |a, _| a.cbrt()),
+            Self::Step(step) => each!(slots, notes, (at => out), |a, n| a.step(step, n)),
+            Self::Smoothstep => each!(slots, notes, (at => out), |a, _| a.smoothstep()),
         }
     }
 }
@@ -267,59 +143,19 @@ impl Binary {
         self,
         slots: &mut [Slot<N, G>],
         notes: &mut [NotesOf<N>; G],
-        at: (usize, usize, usize),
+        (at, with, out): (usize, usize, usize),
     ) {
         match self {
-            Self::Add => zip(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, b, _| a.add(b),
-            ),
-            Self::Sub => zip(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, b, _| a.sub(b),
-            ),
-            Self::Mul => zip(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, b, _| a.mul(b),
-            ),
-            Self::Min => zip(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, b, _| a.min(b),
-            ),
-            Self::Max => zip(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, b, _| a.max(b),
-            ),
-            Self::Atan2 { lifted } => zip(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, b, n| a.atan2(b, lifted, n),
-            ),
+            Self::Add => each!(slots, notes, (at, with => out), |a, b, _| a.add(b)),
+            Self::Sub => each!(slots, notes, (at, with => out), |a, b, _| a.sub(b)),
+            Self::Mul => each!(slots, notes, (at, with => out), |a, b, _| a.mul(b)),
+            Self::Min => each!(slots, notes, (at, with => out), |a, b, _| a.min(b)),
+            Self::Max => each!(slots, notes, (at, with => out), |a, b, _| a.max(b)),
+            Self::Atan2 { lifted } => {
+                each!(slots, notes, (at, with => out), |a, b, n| a.atan2(b, lifted, n));
+            }
             Self::Harmonic { wave, n: times } => {
-                zip(
-                    slots,
-                    notes,
-                    at,
-                    #[inline(always)]
-                    |a, b, n| a.harmonic(b, wave, times, n),
-                );
+                each!(slots, notes, (at, with => out), |a, b, n| a.harmonic(b, wave, times, n));
             }
         }
     }
@@ -333,39 +169,15 @@ impl Binary {
         self,
         slots: &mut [Slot<N, G>],
         notes: &mut [NotesOf<N>; G],
-        at: (usize, usize),
+        (at, out): (usize, usize),
         c: &Constant,
     ) {
-        let value = N::constant(slots[at.0][0].token(), c);
+        let value = N::constant(slots[at][0].token(), c);
         match self {
-            Self::Add => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.add_constant(c),
-            ),
-            Self::Mul => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.mul_constant(c),
-            ),
-            Self::Min => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.min(value),
-            ),
-            Self::Max => map(
-                slots,
-                notes,
-                at,
-                #[inline(always)]
-                |a, _| a.max(value),
-            ),
+            Self::Add => each!(slots, notes, (at => out), |a, _| a.add_constant(c)),
+            Self::Mul => each!(slots, notes, (at => out), |a, _| a.mul_constant(c)),
+            Self::Min => each!(slots, notes, (at => out), |a, _| a.min(value)),
+            Self::Max => each!(slots, notes, (at => out), |a, _| a.max(value)),
             _ => unreachable!("operands of {self:?} do not commute"),
         }
     }
