@@ -3,7 +3,7 @@
 //! A level holds one byte of mixed children and one of inside children for every node, and for
 //! every eight nodes the number of children before them; from that and a population count follows
 //! where a node's children stand. Voxels are the children of the last level; their normals stand
-//! in the same order. Shape takes 2.5 bytes a node, 1.1 bytes a voxel on the paper's scenes; normals
+//! in the same order. Shape takes 2.5 bytes a node, 0.7 bytes a voxel on the paper's scenes; normals
 //! take 4 bytes a voxel.
 
 use std::hash::Hasher;
