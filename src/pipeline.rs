@@ -137,12 +137,17 @@ fn render_with_all_threads(
     let frame = raster::render(&layers, &camera, &scene.image, progress)?;
     let rasterize = start.elapsed().as_secs_f64();
 
+    let n_certified = voxelizations.iter().map(|v| u64::from(v.octree.certified_count())).sum();
     let statistics = Statistics {
         scene: scene.name.clone(),
         resolution: lattice.n_voxels(),
         domain: DomainBox::from(lattice.bounds()),
-        boxes: Boxes::sum(voxelizations.iter().map(|v| v.boxes_tested.as_slice())),
-        voxels: Voxels { stored: n_voxels.into() },
+        boxes: Boxes::sum(voxelizations.iter().map(|v| &v.effort)),
+        voxels: Voxels {
+            stored: n_voxels.into(),
+            certified: n_certified,
+            candidate: u64::from(n_voxels) - n_certified,
+        },
         octree: statistics::Octree {
             bytes: voxelizations.iter().map(|v| v.octree.bytes()).sum(),
             digests: voxelizations.iter().map(|v| hex(v.octree.digest())).collect(),

@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::{
     math::Aabb,
     raster::{FrameDigest, PlaneDigest},
+    voxelize::Effort,
 };
 
 /// The numbers of one scene.
@@ -53,25 +54,35 @@ impl From<Aabb> for DomainBox {
     }
 }
 
-/// Boxes evaluated with interval arithmetic.
-#[derive(Clone, Debug, Serialize)]
+/// What was evaluated with interval arithmetic.
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Boxes {
-    /// On all levels.
+    /// Boxes decided, on all levels.
     pub tested: u64,
     /// On each level of the octree; the first entry is the root's children.
     pub tested_per_level: Vec<u64>,
+    /// Boxes over which the gradient was evaluated.
+    pub gradients: u64,
+    /// Corners of voxels and nodes at which the value was evaluated.
+    pub corners: u64,
+    /// Voxels that were looked at more closely, in f64 and in parts.
+    pub closer_looks: u64,
 }
 
 impl Boxes {
     /// Adds up the counts of several surfaces, level by level.
     #[must_use]
-    pub fn sum<'a>(counts: impl Iterator<Item = &'a [u64]>) -> Self {
-        let mut tested_per_level: Vec<u64> = Vec::new();
-        for levels in counts {
-            tested_per_level.resize(levels.len(), 0);
-            tested_per_level.iter_mut().zip(levels).for_each(|(sum, n)| *sum += n);
+    pub fn sum<'a>(efforts: impl Iterator<Item = &'a Effort>) -> Self {
+        let mut sum = Self::default();
+        for Effort { boxes, gradients, corners, closer_looks } in efforts {
+            sum.tested_per_level.resize(boxes.len(), 0);
+            sum.tested_per_level.iter_mut().zip(boxes).for_each(|(sum, n)| *sum += n);
+            sum.gradients += gradients;
+            sum.corners += corners;
+            sum.closer_looks += closer_looks;
         }
-        Self { tested: tested_per_level.iter().sum(), tested_per_level }
+        sum.tested = sum.tested_per_level.iter().sum();
+        sum
     }
 }
 
@@ -80,6 +91,10 @@ impl Boxes {
 pub struct Voxels {
     /// Voxels that a surface may meet.
     pub stored: u64,
+    /// Those that a surface provably passes through.
+    pub certified: u64,
+    /// The others: that a surface meets them was not disproved.
+    pub candidate: u64,
 }
 
 /// The octrees of all surfaces.

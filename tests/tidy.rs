@@ -22,7 +22,7 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     ("raster", &["math", "octree", "progress"]),
     ("output", &["raster"]),
     ("scene", &["diagnostic", "expr", "math", "raster"]),
-    ("statistics", &["math", "raster"]),
+    ("statistics", &["math", "raster", "voxelize"]),
     ("limits", &["raster"]),
     ("advice", &["expr", "math", "octree", "voxelize"]),
     (

@@ -5,14 +5,15 @@ use fearless_simd::Simd;
 use super::Machine;
 use crate::{
     expr::{Choice, Tape},
-    math::{Interval, Lanes, Mask, Scalar},
+    math::{Interval, Lanes, Mask, MaskOf, Notes, NotesOf, Scalar, Slot},
 };
 
 /// Boxes evaluated in one pass. An experiment found one pass of 64 three times as fast as eight
 /// passes of 8: the look at an instruction is shared, and no vector waits for itself.
 pub const BATCH: usize = 64;
 
-/// The bounds of up to [`BATCH`] boxes, axis by axis.
+/// The bounds of up to [`BATCH`] boxes, axis by axis. Those that are not asked about must still be
+/// boxes; a fresh one is all zeros.
 #[derive(Clone, Debug)]
 pub struct Boxes<T> {
     /// Lower bounds in x, y and z.
@@ -28,16 +29,41 @@ impl<T: Scalar> Default for Boxes<T> {
 }
 
 /// What is proven of each box; bit i is box i.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Verdict {
-    /// F > 0 everywhere, or F is defined nowhere, or the box is outside the tape's region.
+    /// F > 0 wherever it is defined, which may be nowhere, or the tape's region is elsewhere.
     pub empty: u64,
-    /// F is defined but for poles and cuts, F < 0, and the box is in the tape's region.
-    pub inside: u64,
-    /// F < 0 wherever it is defined, which may not be everywhere.
-    pub inside_where_defined: u64,
+    /// F < 0 wherever it is defined, and it is defined somewhere.
+    pub negative: u64,
+    /// F is defined everywhere but for poles and cuts.
+    pub defined: u64,
+    /// F is defined and continuous everywhere: a change of its sign proves a surface.
+    pub continuous: u64,
     /// The tape's region holds the whole box, or the tape has none.
     pub in_region: u64,
+}
+
+impl Verdict {
+    /// The boxes that lie inside the solid.
+    #[must_use]
+    pub fn inside(&self) -> u64 {
+        self.negative & self.defined & self.in_region & !self.empty
+    }
+
+    /// The boxes whose part in which F is defined lies inside; they have no surface either.
+    #[must_use]
+    pub fn inside_where_defined(&self) -> u64 {
+        self.negative & !self.empty
+    }
+}
+
+/// The ranges of F over a batch.
+#[derive(Clone, Debug)]
+pub struct Ranges<T> {
+    /// Lower bounds.
+    pub lo: [T; BATCH],
+    /// Upper bounds.
+    pub hi: [T; BATCH],
 }
 
 /// Evaluates tapes over boxes, with G vectors of type L; `G * L::LEN` is [`BATCH`].
@@ -55,15 +81,53 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> BoxEvaluator<L, G> {
         Self { token, machine: Machine::default(), in_region: None }
     }
 
-    /// Evaluates `tape` over `boxes`; where `trace`, [`BoxEvaluator::choices`] can be asked after.
-    pub fn eval(&mut self, tape: &Tape, boxes: &Boxes<L::Scalar>, trace: bool) -> Verdict {
+    /// Evaluates `tape` over the first `n` boxes; where `trace`, [`BoxEvaluator::choices`] can be
+    /// asked after.
+    pub fn eval(
+        &mut self,
+        tape: &Tape,
+        boxes: &Boxes<L::Scalar>,
+        n: usize,
+        trace: bool,
+    ) -> Verdict {
         let Self { token, machine, .. } = self;
         let verdict = token.vectorize(
             #[inline(always)]
-            || run(*token, machine, tape, boxes, trace),
+            || {
+                let inputs = load(*token, boxes);
+                let n_vectors = n.div_ceil(L::LEN);
+                let notes = machine.run_first(*token, tape, &inputs, n_vectors, trace);
+                let region = tape.region().map(|slot| machine.slot(slot));
+                verdict(machine.slot(tape.result()), region, &notes[..n_vectors])
+            },
         );
         self.in_region = tape.region().map(|_| verdict.in_region);
         verdict
+    }
+
+    /// The ranges of F over the first `n` boxes; the others mean nothing.
+    pub fn ranges(
+        &mut self,
+        tape: &Tape,
+        boxes: &Boxes<L::Scalar>,
+        n: usize,
+    ) -> Ranges<L::Scalar> {
+        let Self { token, machine, .. } = self;
+        let mut ranges =
+            Ranges { lo: [L::Scalar::default(); BATCH], hi: [L::Scalar::default(); BATCH] };
+        token.vectorize(
+            #[inline(always)]
+            || {
+                let inputs = load(*token, boxes);
+                let n_vectors = n.div_ceil(L::LEN);
+                machine.run_first(*token, tape, &inputs, n_vectors, false);
+                for (g, range) in machine.slot(tape.result())[..n_vectors].iter().enumerate() {
+                    range.lo.store(&mut ranges.lo[g * L::LEN..]);
+                    range.hi.store(&mut ranges.hi[g * L::LEN..]);
+                }
+            },
+        );
+        ranges
     }
 
     /// How the choices of the last traced tape went for the box `lane`.
@@ -83,14 +147,12 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> BoxEvaluator<L, G> {
     }
 }
 
+/// The boxes as slots.
 #[inline(always)]
-fn run<L: Lanes, const G: usize>(
+pub(super) fn load<L: Lanes, const G: usize>(
     token: L::Token,
-    machine: &mut Machine<Interval<L>, G>,
-    tape: &Tape,
     boxes: &Boxes<L::Scalar>,
-    trace: bool,
-) -> Verdict {
+) -> [Slot<Interval<L>, G>; 3] {
     let zero = Interval::point(L::splat(token, L::Scalar::default()));
     let mut inputs = [[zero; G]; 3];
     for axis in 0..3 {
@@ -100,26 +162,32 @@ fn run<L: Lanes, const G: usize>(
             inputs[axis][g] = Interval { lo, hi };
         }
     }
-    let notes = machine.run(token, tape, &inputs, trace);
-    let range = machine.slot(tape.result());
-    let mut verdict = Verdict { empty: 0, inside: 0, inside_where_defined: 0, in_region: u64::MAX };
-    for g in 0..G {
-        let empty = notes[g].undefined | zero.lo.lt(range[g].lo);
-        let negative = range[g].hi.lt(zero.lo) & !notes[g].undefined;
-        let inside = negative & !notes[g].partial;
-        verdict.empty |= empty.bits() << (g * L::LEN);
-        verdict.inside |= inside.bits() << (g * L::LEN);
-        verdict.inside_where_defined |= negative.bits() << (g * L::LEN);
+    inputs
+}
+
+/// What the ranges of F and of the region tell, with what was noted on the way.
+#[inline(always)]
+pub(super) fn verdict<L: Lanes, const G: usize>(
+    range: &Slot<Interval<L>, G>,
+    region: Option<&Slot<Interval<L>, G>>,
+    notes: &[NotesOf<Interval<L>>],
+) -> Verdict {
+    let mut verdict = Verdict { in_region: u64::MAX, ..Verdict::default() };
+    for (g, &Notes { undefined, partial, discontinuous }) in notes.iter().enumerate() {
+        let zero = range[g].lo.same(0.0);
+        let set = |mask: MaskOf<Interval<L>>| mask.bits() << (g * L::LEN);
+        verdict.empty |= set(undefined | zero.lt(range[g].lo));
+        verdict.negative |= set(range[g].hi.lt(zero) & !undefined);
+        verdict.defined |= set(!partial & !undefined);
+        verdict.continuous |= set(!discontinuous);
     }
-    if let Some(region) = tape.region() {
-        let region = machine.slot(region);
+    if let Some(region) = region {
         verdict.in_region = 0;
-        for g in 0..G {
-            verdict.empty |= zero.lo.lt(region[g].lo).bits() << (g * L::LEN);
-            verdict.in_region |= region[g].hi.le(zero.lo).bits() << (g * L::LEN);
+        for g in 0..notes.len() {
+            let zero = region[g].lo.same(0.0);
+            verdict.empty |= zero.lt(region[g].lo).bits() << (g * L::LEN);
+            verdict.in_region |= region[g].hi.le(zero).bits() << (g * L::LEN);
         }
-        verdict.inside &= verdict.in_region & !verdict.empty;
-        verdict.inside_where_defined &= !verdict.empty;
     }
     verdict
 }

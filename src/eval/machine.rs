@@ -31,6 +31,19 @@ impl<N: Number, const G: usize> Machine<N, G> {
         inputs: &[Slot<N, G>; 3],
         trace: bool,
     ) -> [NotesOf<N>; G] {
+        self.run_first(token, tape, inputs, G, trace)
+    }
+
+    /// As [`Machine::run`], for the first `n_vectors` vectors alone; the others mean nothing.
+    #[inline(always)]
+    pub fn run_first(
+        &mut self,
+        token: Token<N>,
+        tape: &Tape,
+        inputs: &[Slot<N, G>; 3],
+        n_vectors: usize,
+        trace: bool,
+    ) -> [NotesOf<N>; G] {
         if self.slots.len() < tape.n_slots() {
             let zero = N::constant(token, &Constant::exact(0.0));
             self.slots.resize(tape.n_slots(), [zero; G]);
@@ -38,7 +51,8 @@ impl<N: Number, const G: usize> Machine<N, G> {
         self.choices.clear();
         let slots = &mut self.slots[..tape.n_slots()];
         slots[..3].copy_from_slice(inputs);
-        let mut notes = [Notes::clear::<N::Lanes>(token); G];
+        let mut all_notes = [Notes::clear::<N::Lanes>(token); G];
+        let notes = &mut all_notes[..n_vectors];
         for instruction in tape.instructions() {
             match *instruction {
                 Instruction::Constant(ref c, out) => {
@@ -49,14 +63,14 @@ impl<N: Number, const G: usize> Machine<N, G> {
                         let zero = [N::constant(token, &Constant::exact(0.0)); G];
                         self.choices.push(order(&zero, &slots[a as usize]));
                     }
-                    op.apply(slots, &mut notes, (a as usize, out as usize));
+                    op.apply(slots, notes, (a as usize, out as usize));
                 }
                 Instruction::Binary(op, a, b, out) => {
                     let (a, b) = (a as usize, b as usize);
                     if trace && let Some(choice) = decide(op, &slots[a], &slots[b]) {
                         self.choices.push(choice);
                     }
-                    op.apply(slots, &mut notes, (a, b, out as usize));
+                    op.apply(slots, notes, (a, b, out as usize));
                 }
                 Instruction::BinaryConstant(op, a, ref c, out) => {
                     if trace
@@ -65,11 +79,11 @@ impl<N: Number, const G: usize> Machine<N, G> {
                     {
                         self.choices.push(choice);
                     }
-                    op.apply_constant(slots, &mut notes, (a as usize, out as usize), c);
+                    op.apply_constant(slots, notes, (a as usize, out as usize), c);
                 }
             }
         }
-        notes
+        all_notes
     }
 
     /// A slot of the last run, such as [`Tape::result`].

@@ -1,10 +1,12 @@
 //! Programs to numbers: one [`Machine`] for every kind of [`Number`](crate::math::Number), and the
-//! three evaluators built on it: intervals over boxes, values at points, gradients at points.
+//! evaluators built on it: intervals over boxes, gradients over boxes, values and gradients at points.
 
 mod boxes;
 mod machine;
 mod points;
+mod slopes;
 
-pub use boxes::{BATCH, BoxEvaluator, Boxes, Verdict};
+pub use boxes::{BATCH, BoxEvaluator, Boxes, Ranges, Verdict};
 pub use machine::Machine;
 pub use points::{GradientEvaluator, POINT_BATCH, PointEvaluator, Points};
+pub use slopes::{SlopeEvaluator, SlopeVerdict};

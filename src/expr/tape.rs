@@ -38,6 +38,7 @@ pub struct Tape {
     n_choices: u32,
     result: u32,
     region: Option<u32>,
+    axes: [bool; 3],
 }
 
 /// The outcome of every choice of a tape on one box, in the order of its instructions.
@@ -85,6 +86,12 @@ impl Tape {
     #[must_use]
     pub fn region(&self) -> Option<usize> {
         self.region.map(|slot| slot as usize)
+    }
+
+    /// Whether the result depends on the coordinate `axis` (0, 1 or 2) at all.
+    #[must_use]
+    pub fn depends_on(&self, axis: usize) -> bool {
+        self.axes[axis]
     }
 
     /// Number of minima, maxima and absolute values, and one if there is a region.
@@ -163,7 +170,10 @@ impl Tape {
         let n_choices = nodes.iter().filter(|node| is_choice(node)).count() as u32;
         let result = slot_of[roots[0] as usize];
         let region = roots.get(1).map(|&root| slot_of[root as usize]);
-        Self { nodes, roots, instructions, n_slots, n_choices, result, region }
+        let is_read =
+            |axis| nodes.iter().any(|node| matches!(node, Node::Variable(a) if *a == axis));
+        let axes = [0, 1, 2].map(is_read);
+        Self { nodes, roots, instructions, n_slots, n_choices, result, region, axes }
     }
 }
 

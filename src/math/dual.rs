@@ -41,8 +41,8 @@ impl<N: Number> Dual<N> {
 
     /// The gradient of the angle of (x, y), y being `self`: (x dy − y dx) / (x² + y²).
     #[inline(always)]
-    fn angle_gradient(self, x: Self, notes: &mut NotesOf<Self>) -> [N; 3] {
-        let scale = recip_in_slope(self.value.square().add(x.value.square()), notes);
+    fn angle_gradient(self, x: Self) -> [N; 3] {
+        let scale = recip_in_slope(self.value.square().add(x.value.square()));
         let (along_y, along_x) = (x.value.mul(scale), self.value.mul(scale));
         let turn = self.zip(
             x,
@@ -54,23 +54,19 @@ impl<N: Number> Dual<N> {
     }
 }
 
-/// 1 / v as a factor of a derivative: where that is undefined the value itself may be defined, so
-/// only the continuity is noted.
+/// 1 / v as a factor of a derivative. Where that is undefined the value itself may be defined and
+/// continuous: the slope is unbounded there, which its interval says, and nothing is noted.
 #[inline(always)]
-fn recip_in_slope<N: Number>(v: N, notes: &mut NotesOf<N>) -> N {
-    let mut of_slope = *notes;
-    let inverse = v.recip(&mut of_slope);
-    notes.discontinuous = of_slope.discontinuous;
-    inverse
+fn recip_in_slope<N: Number>(v: N) -> N {
+    v.recip(&mut Notes::clear::<N::Lanes>(v.token()))
 }
 
 /// The derivative of arcsin: 1 / √(1 − v²).
 #[inline(always)]
-fn arc_slope<N: Number>(v: N, notes: &mut NotesOf<N>) -> N {
-    let mut of_slope = *notes;
+fn arc_slope<N: Number>(v: N) -> N {
+    let mut of_slope = Notes::clear::<N::Lanes>(v.token());
     let cosine = v.square().neg().add_constant(&Constant::exact(1.0)).sqrt(&mut of_slope);
-    notes.discontinuous = of_slope.discontinuous;
-    recip_in_slope(cosine, notes)
+    recip_in_slope(cosine)
 }
 
 impl<N: Number> Number for Dual<N> {
@@ -144,7 +140,7 @@ impl<N: Number> Number for Dual<N> {
     #[inline(always)]
     fn sqrt(self, notes: &mut NotesOf<Self>) -> Self {
         let root = self.value.sqrt(notes);
-        self.chain(root, recip_in_slope(root.add(root), notes))
+        self.chain(root, recip_in_slope(root.add(root)))
     }
     #[inline(always)]
     fn abs(self) -> Self {
@@ -186,25 +182,23 @@ impl<N: Number> Number for Dual<N> {
     #[inline(always)]
     fn ln(self, notes: &mut NotesOf<Self>) -> Self {
         let value = self.value.ln(notes);
-        self.chain(value, recip_in_slope(self.value, notes))
+        self.chain(value, recip_in_slope(self.value))
     }
     #[inline(always)]
     fn acos(self, notes: &mut NotesOf<Self>) -> Self {
         let value = self.value.acos(notes);
-        let slope = arc_slope(self.value, notes);
+        let slope = arc_slope(self.value);
         self.chain(value, slope.neg())
     }
     #[inline(always)]
     fn asin(self, notes: &mut NotesOf<Self>) -> Self {
         let value = self.value.asin(notes);
-        let slope = arc_slope(self.value, notes);
+        let slope = arc_slope(self.value);
         self.chain(value, slope)
     }
     #[inline(always)]
     fn atan(self) -> Self {
-        let mut of_slope = Notes::clear::<N::Lanes>(self.token());
-        let one = Constant::exact(1.0);
-        let slope = self.value.square().add_constant(&one).recip(&mut of_slope);
+        let slope = recip_in_slope(self.value.square().add_constant(&Constant::exact(1.0)));
         self.chain(self.value.atan(), slope)
     }
     #[inline(always)]
@@ -224,9 +218,8 @@ impl<N: Number> Number for Dual<N> {
     }
     #[inline(always)]
     fn cbrt(self) -> Self {
-        let mut of_slope = Notes::clear::<N::Lanes>(self.token());
         let root = self.value.cbrt();
-        let slope = root.square().mul_constant(&Constant::exact(3.0)).recip(&mut of_slope);
+        let slope = recip_in_slope(root.square().mul_constant(&Constant::exact(3.0)));
         self.chain(root, slope)
     }
     #[inline(always)]
@@ -248,7 +241,7 @@ impl<N: Number> Number for Dual<N> {
     #[inline(always)]
     fn atan2(self, x: Self, lifted: bool, notes: &mut NotesOf<Self>) -> Self {
         let value = self.value.atan2(x.value, lifted, notes);
-        Self { value, gradient: self.angle_gradient(x, notes) }
+        Self { value, gradient: self.angle_gradient(x) }
     }
     #[inline(always)]
     fn harmonic(self, x: Self, wave: Wave, n: u32, notes: &mut NotesOf<Self>) -> Self {
@@ -258,7 +251,7 @@ impl<N: Number> Number for Dual<N> {
             Wave::Cos => self.value.harmonic(x.value, Wave::Sin, n, notes).neg(),
         };
         let slope = slope.mul_constant(&Constant::exact(f64::from(n)));
-        Self { value, gradient: self.angle_gradient(x, notes) }.chain(value, slope)
+        Self { value, gradient: self.angle_gradient(x) }.chain(value, slope)
     }
     #[inline(always)]
     fn order(self, b: Self) -> (MaskOf<Self>, MaskOf<Self>) {

@@ -67,6 +67,12 @@ fn upper<L: Lanes>(c: L) -> L {
     upper_by(c, 1.0)
 }
 
+/// A bound not below what c is the rounded form of.
+#[inline(always)]
+pub(super) fn round_up<L: Lanes>(c: L) -> L {
+    upper(c)
+}
+
 impl<L: Lanes> Interval<L> {
     /// The interval of one number.
     #[inline(always)]

@@ -6,6 +6,7 @@ pub mod elementary;
 mod interval;
 mod lanes;
 mod lattice;
+mod mean_value;
 mod morton;
 mod number;
 mod operation;
@@ -15,6 +16,7 @@ pub use dual::Dual;
 pub use interval::Interval;
 pub use lanes::{Lanes, Mask, Scalar, SimdLevel, SimdTask};
 pub use lattice::{Aabb, Lattice};
+pub use mean_value::MeanValue;
 pub use morton::{child_of, morton_decode, morton_encode};
 pub use number::{
     Constant, Hyperbolic, MaskOf, Notes, NotesOf, Number, ScalarOf, Step, Token, Wave,

@@ -1,7 +1,8 @@
 //! The operations of a formula as data, and the one place that carries them out.
 //!
 //! A slot holds G vectors, so that one look at an operation pays for many boxes: the loop over the
-//! vectors is inside every case.
+//! vectors is inside every case. It goes over as many vectors as there are notes, which may be fewer
+//! than G: the last batch of a run is rarely full.
 
 use super::number::{Constant, Hyperbolic, NotesOf, Number, Step, Wave};
 
@@ -86,7 +87,7 @@ pub type Slot<N, const G: usize> = [N; G];
 /// closure would have to be told to be inlined at every use.
 macro_rules! each {
     ($slots:ident, $notes:ident, ($a_at:expr => $out:expr), |$a:ident, $n:pat_param| $result:expr) => {
-        for g in 0..G {
+        for g in 0..$notes.len().min(G) {
             let $a = $slots[$a_at][g];
             let $n = &mut $notes[g];
             $slots[$out][g] = $result;
@@ -96,7 +97,7 @@ macro_rules! each {
         $slots:ident, $notes:ident, ($a_at:expr, $b_at:expr => $out:expr),
         |$a:ident, $b:ident, $n:pat_param| $result:expr
     ) => {
-        for g in 0..G {
+        for g in 0..$notes.len().min(G) {
             let ($a, $b) = ($slots[$a_at][g], $slots[$b_at][g]);
             let $n = &mut $notes[g];
             $slots[$out][g] = $result;
@@ -110,7 +111,7 @@ impl Unary {
     pub fn apply<N: Number, const G: usize>(
         self,
         slots: &mut [Slot<N, G>],
-        notes: &mut [NotesOf<N>; G],
+        notes: &mut [NotesOf<N>],
         (at, out): (usize, usize),
     ) {
         match self {
@@ -142,7 +143,7 @@ impl Binary {
     pub fn apply<N: Number, const G: usize>(
         self,
         slots: &mut [Slot<N, G>],
-        notes: &mut [NotesOf<N>; G],
+        notes: &mut [NotesOf<N>],
         (at, with, out): (usize, usize, usize),
     ) {
         match self {
@@ -168,7 +169,7 @@ impl Binary {
     pub fn apply_constant<N: Number, const G: usize>(
         self,
         slots: &mut [Slot<N, G>],
-        notes: &mut [NotesOf<N>; G],
+        notes: &mut [NotesOf<N>],
         (at, out): (usize, usize),
         c: &Constant,
     ) {

@@ -20,6 +20,8 @@ pub struct Voxel {
     pub ijk: [u32; 3],
     /// Outward unit normal of the surface at the voxel's centre.
     pub normal: OctNormal,
+    /// Whether the surface provably passes through; if not, that could not be disproved.
+    pub certified: bool,
 }
 
 /// A run of voxels that are neighbours in canonical order: the unit of parallel work.
@@ -67,6 +69,12 @@ pub trait Storage: Send + Sync {
     /// # Panics
     /// If `rank` is not below [`Storage::voxel_count`].
     fn normal(&self, rank: u32) -> OctNormal;
+
+    /// Whether the surface provably passes through the voxel at `rank`.
+    ///
+    /// # Panics
+    /// If `rank` is not below [`Storage::voxel_count`].
+    fn is_certified(&self, rank: u32) -> bool;
 
     /// The rank of the voxel at `ijk`, if one is stored there.
     fn find(&self, ijk: [u32; 3]) -> Option<u32>;

@@ -4,10 +4,11 @@
 //! every eight nodes the number of children before them; from that and a population count follows
 //! where a node's children stand. Voxels are the children of the last level; their normals stand
 //! in the same order. Shape takes 2.5 bytes a node, 0.7 bytes a voxel on the paper's scenes; normals
-//! take 4 bytes a voxel.
+//! take 4 bytes a voxel, and certificates one bit.
 
 use std::hash::Hasher;
 
+use fixedbitset::FixedBitSet;
 use siphasher::sip128::{Hasher128, SipHasher13};
 
 use super::{LevelMasks, NodeState, Occupancy, OctNormal, Part, Storage, Voxel, masks::bits};
@@ -18,6 +19,7 @@ use crate::math::child_of;
 pub struct MortonOctree {
     levels: Vec<Level>,
     normals: Vec<OctNormal>,
+    certified: FixedBitSet,
     /// What the root is; nothing else is stored unless it is mixed.
     root: NodeState,
 }
@@ -64,22 +66,34 @@ const PART_LEVELS: u32 = 5;
 
 impl MortonOctree {
     /// Puts an octree together from the nodes of all its levels, the root's first, and the normals
-    /// of the voxels, all in Morton order. `root` is what became of the root.
+    /// and certificates of the voxels, all in Morton order. `root` is what became of the root.
     ///
     /// # Panics
     /// If a level does not have as many nodes as the one above has mixed children, or the number
-    /// of normals is not that of the last level's mixed children.
+    /// of normals or certificates is not that of the last level's mixed children.
     #[must_use]
-    pub fn new(root: NodeState, levels: Vec<LevelMasks>, normals: Vec<OctNormal>) -> Self {
+    pub fn new(
+        root: NodeState,
+        levels: Vec<LevelMasks>,
+        normals: Vec<OctNormal>,
+        certified: FixedBitSet,
+    ) -> Self {
         let counts = levels.iter().map(LevelMasks::len).skip(1).chain([normals.len()]);
         for (level, count) in levels.iter().zip(counts) {
             let children: usize = level.mixed.iter().map(|mask| mask.count_ones() as usize).sum();
             assert_eq!(children, count, "every mixed child has a node");
         }
+        assert_eq!(certified.len(), normals.len(), "every voxel has a certificate or none");
         assert!(u32::try_from(normals.len()).is_ok(), "voxels are counted in 32 bits");
         let stored = levels.first().is_some_and(|level| level.len() == 1);
         assert_eq!(stored, root == NodeState::Mixed, "the root is stored if it is mixed");
-        Self { levels: levels.into_iter().map(Level::new).collect(), normals, root }
+        Self { levels: levels.into_iter().map(Level::new).collect(), normals, certified, root }
+    }
+
+    /// Number of voxels that the surface provably passes through.
+    #[must_use]
+    pub fn certified_count(&self) -> u32 {
+        self.certified.count_ones(..) as u32
     }
 
     /// Replaces the normal of a voxel.
@@ -97,6 +111,9 @@ impl MortonOctree {
         }
         for normal in &self.normals {
             hasher.write_u32(normal.to_bits().to_le());
+        }
+        for block in self.certified.as_slice() {
+            hasher.write_u64((*block as u64).to_le());
         }
         hasher.finish128().as_u128()
     }
@@ -135,7 +152,8 @@ impl MortonOctree {
 
     fn walk(&self, level: usize, index: usize, ijk: [u32; 3], visit: &mut dyn FnMut(Voxel)) {
         let Some(here) = self.levels.get(level) else {
-            visit(Voxel { rank: index as u32, ijk, normal: self.normals[index] });
+            let certified = self.certified.contains(index);
+            visit(Voxel { rank: index as u32, ijk, normal: self.normals[index], certified });
             return;
         };
         let first = here.first_child(index);
@@ -160,7 +178,7 @@ impl Storage for MortonOctree {
             .iter()
             .map(|level| 2 * level.masks.len() + 4 * level.children_before.len())
             .sum();
-        (shape + 4 * self.normals.len()) as u64
+        (shape + 4 * self.normals.len() + self.certified.len().div_ceil(8)) as u64
     }
 
     fn parts(&self) -> Vec<Part> {
@@ -173,6 +191,10 @@ impl Storage for MortonOctree {
 
     fn normal(&self, rank: u32) -> OctNormal {
         self.normals[rank as usize]
+    }
+
+    fn is_certified(&self, rank: u32) -> bool {
+        self.certified[rank as usize]
     }
 
     fn find(&self, ijk: [u32; 3]) -> Option<u32> {
@@ -238,7 +260,11 @@ mod tests {
             levels.insert(0, level);
         }
         let normals = codes.iter().map(|&code| OctNormal::from_bits(code as u32)).collect();
-        MortonOctree::new(NodeState::Mixed, levels, normals)
+        let certified = codes.iter().map(|code| code % 3 == 0);
+        let certified = certified.enumerate().filter(|&(_, is)| is).map(|(i, _)| i);
+        let mut set = FixedBitSet::with_capacity(codes.len());
+        set.extend(certified);
+        MortonOctree::new(NodeState::Mixed, levels, normals, set)
     }
 
     proptest! {
@@ -258,6 +284,8 @@ mod tests {
                 prop_assert_eq!(voxel.rank as usize, rank);
                 prop_assert_eq!(octree.find(voxel.ijk), Some(voxel.rank));
                 prop_assert_eq!(voxel.normal.to_bits() as u64, morton_encode(voxel.ijk));
+                prop_assert_eq!(voxel.certified, morton_encode(voxel.ijk) % 3 == 0);
+                prop_assert_eq!(octree.is_certified(voxel.rank), voxel.certified);
             }
             let ijk = crate::math::morton_decode(other);
             prop_assert_eq!(octree.find(ijk).is_some(), codes.contains(&other));

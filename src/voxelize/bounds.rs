@@ -97,7 +97,7 @@ fn survivors<S: Simd>(simd: S, tape: &Arc<Tape>, bounds: Aabb, resolution: u32) 
     let mut search = Search::<S, f64x8<S>, { BATCH / 8 }>::new(simd, &lattice, &corners);
     let voxels = search.descend(Run::root(tape.clone()), lattice.depth());
     let mut found: Option<([u32; 3], [u32; 3])> = None;
-    for &ijk in voxels.iter().flat_map(Run::nodes) {
+    for ijk in voxels.iter().flat_map(Run::places) {
         let (least, most) = found.get_or_insert((ijk, ijk));
         for axis in 0..3 {
             least[axis] = least[axis].min(ijk[axis]);

@@ -25,7 +25,6 @@ impl<T: Scalar> Corners<T> {
 
     /// Writes the eight children of a node to lanes `first` to `first + 7` of `boxes`, in child
     /// order. `ijk` counts the node in nodes of its level, `edge` is a child's edge in voxels.
-    /// Returns the children that lie outside the lattice, as bits; their boxes mean nothing.
     #[inline(always)]
     pub(super) fn write_children(
         &self,
@@ -33,9 +32,7 @@ impl<T: Scalar> Corners<T> {
         first: usize,
         ijk: [u32; 3],
         edge: u32,
-    ) -> u8 {
-        const UPPER_HALF: [u8; 3] = [0b1010_1010, 0b1100_1100, 0b1111_0000];
-        let mut outside = 0;
+    ) {
         for axis in 0..3 {
             let n = self.n_voxels[axis];
             let start = 2 * ijk[axis] * edge;
@@ -43,9 +40,6 @@ impl<T: Scalar> Corners<T> {
             let (below, above) = (&self.below[axis], &self.above[axis]);
             let lo = [below[planes[0]], below[planes[1]]];
             let hi = [above[planes[1]], above[planes[2]]];
-            if planes[1] == n as usize {
-                outside |= UPPER_HALF[axis];
-            }
             let lanes = first..first + 8;
             let (los, his) = (&mut boxes.lo[axis][lanes.clone()], &mut boxes.hi[axis][lanes]);
             for c in 0..8 {
@@ -54,6 +48,39 @@ impl<T: Scalar> Corners<T> {
                 his[c] = hi[half];
             }
         }
-        outside
+    }
+
+    /// The children of a node that lie inside the lattice at least in part, as bits.
+    #[inline(always)]
+    pub(super) fn present_children(&self, ijk: [u32; 3], edge: u32) -> u8 {
+        const UPPER_HALF: [u8; 3] = [0b1010_1010, 0b1100_1100, 0b1111_0000];
+        let mut present = u8::MAX;
+        for axis in 0..3 {
+            if (2 * ijk[axis] + 1) * edge >= self.n_voxels[axis] {
+                present &= !UPPER_HALF[axis];
+            }
+        }
+        present
+    }
+
+    /// Writes a node to one lane. `ijk` counts it in nodes of its level, whose edge is `edge`
+    /// voxels.
+    pub(super) fn write_node(&self, boxes: &mut Boxes<T>, lane: usize, ijk: [u32; 3], edge: u32) {
+        for axis in 0..3 {
+            let n = self.n_voxels[axis];
+            let planes = [ijk[axis] * edge, (ijk[axis] + 1) * edge].map(|i| i.min(n) as usize);
+            boxes.lo[axis][lane] = self.below[axis][planes[0]];
+            boxes.hi[axis][lane] = self.above[axis][planes[1]];
+        }
+    }
+
+    /// Writes the smallest box around a corner of the lattice to one lane: the corner itself, where
+    /// the type holds it.
+    pub(super) fn write_corner(&self, boxes: &mut Boxes<T>, lane: usize, corner: [u32; 3]) {
+        for axis in 0..3 {
+            let plane = corner[axis].min(self.n_voxels[axis]) as usize;
+            boxes.lo[axis][lane] = self.below[axis][plane];
+            boxes.hi[axis][lane] = self.above[axis][plane];
+        }
     }
 }

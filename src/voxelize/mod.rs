@@ -11,10 +11,13 @@
 //! Interval Arithmetic for Octree Generation and its Direct Visualization", 1998, sections 2 to 4.
 
 mod bounds;
+mod closer;
 mod corners;
+mod node;
 mod normals;
 mod sampling;
 mod search;
+mod signs;
 
 use std::sync::{
     Arc,
@@ -22,10 +25,12 @@ use std::sync::{
 };
 
 use fearless_simd::{Simd, f32x16, f64x8};
+use fixedbitset::FixedBitSet;
 use rayon::prelude::*;
 
 pub use bounds::{Extent, find_extent};
 pub use sampling::{FieldRange, sample_field};
+pub use search::Effort;
 
 use crate::{
     Error, Result,
@@ -43,8 +48,8 @@ use search::{Run, Search, Subtree};
 pub struct Voxelization {
     /// The voxels that the surface may meet.
     pub octree: MortonOctree,
-    /// Boxes evaluated on each level; entry 0 is the root's children.
-    pub boxes_tested: Vec<u64>,
+    /// What it took.
+    pub effort: Effort,
     /// The float type of the intervals.
     pub precision: Precision,
 }
@@ -153,14 +158,12 @@ impl Task<'_> {
         let subtrees = subtrees?;
         progress.end();
 
-        let mut boxes_tested = trunk.take_boxes_tested();
-        for subtree in &subtrees {
-            boxes_tested.iter_mut().zip(&subtree.boxes_tested).for_each(|(sum, n)| *sum += n);
-        }
+        let mut effort = trunk.take_effort();
+        subtrees.iter().for_each(|subtree| effort.add(&subtree.effort));
         let (mut octree, missing_normals) =
             assemble(trunk.take_masks(), subtrees, frontier, lattice.depth());
         normals::fill_missing(&mut octree, &missing_normals, lattice);
-        Ok(Voxelization { octree, boxes_tested, precision })
+        Ok(Voxelization { octree, effort, precision })
     }
 }
 
@@ -187,14 +190,19 @@ fn assemble(
     let root = states.first().copied().unwrap_or(NodeState::Empty);
     let mut levels = trunk;
     levels.resize_with(depth as usize, LevelMasks::default);
-    let mut normals = Vec::with_capacity(subtrees.iter().map(|s| s.normals.len()).sum());
+    let n_voxels = subtrees.iter().map(|s| s.normals.len()).sum();
+    let mut normals = Vec::with_capacity(n_voxels);
+    let mut certified = FixedBitSet::with_capacity(n_voxels);
     let mut missing = Vec::new();
     for mut subtree in subtrees {
         missing.extend(subtree.missing_normals.iter().map(|&i| i + normals.len() as u32));
+        for (i, &is_certified) in subtree.certified.iter().enumerate() {
+            certified.set(normals.len() + i, is_certified);
+        }
         normals.append(&mut subtree.normals);
         for (level, part) in levels[frontier as usize..].iter_mut().zip(subtree.levels) {
             level.append(part);
         }
     }
-    (MortonOctree::new(root, levels, normals), missing)
+    (MortonOctree::new(root, levels, normals, certified), missing)
 }

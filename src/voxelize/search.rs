@@ -4,14 +4,31 @@
 //! the next pass. Where the tape holds choices, the nodes of a level are split into runs that
 //! decided them alike, and every run goes on with its own shortened tape. Runs are searched one
 //! after the other, so that every level is still written in Morton order.
+//!
+//! The last levels are searched block by block, 32³ voxels each, with three more tests:
+//!
+//! - *Slopes.* The gradient over a node may show that F is not 0 there though its value does not,
+//!   or that F is monotone along all three axes.
+//! - *Trends.* Where F is monotone its range over any part is that between two corners: no more
+//!   intervals over boxes are needed below, and what the signs at the corners say is exact.
+//! - *Corners.* F is continuous in a voxel and has both signs at its corners: the surface provably
+//!   passes through.
+//!
+//! What is left open is looked at more closely; see `closer`.
 
 use std::sync::Arc;
 
 use fearless_simd::Simd;
 
-use super::{corners::Corners, normals::NormalFinder};
+use super::{
+    closer::{CloserLook, Finding},
+    corners::Corners,
+    node::{Family, Node, Trend},
+    normals::NormalFinder,
+    signs::{BLOCK_LEVELS, CornerSigns, Sign},
+};
 use crate::{
-    eval::{BATCH, BoxEvaluator, Boxes},
+    eval::{BATCH, BoxEvaluator, Boxes, SlopeEvaluator},
     expr::{Choice, Tape},
     math::{Lanes, Lattice, child_of},
     octree::{LevelMasks, NodeState, OctNormal, bits},
@@ -19,19 +36,19 @@ use crate::{
 
 /// Nodes of one level, in Morton order, that share a tape.
 pub(super) struct Run {
-    nodes: Vec<[u32; 3]>,
+    nodes: Vec<Node>,
     tape: Arc<Tape>,
 }
 
 impl Run {
     /// The whole domain.
     pub(super) fn root(tape: Arc<Tape>) -> Self {
-        Self { nodes: vec![[0; 3]], tape }
+        Self { nodes: vec![Node { ijk: [0; 3], trend: Trend::UNKNOWN }], tape }
     }
 
-    /// The nodes.
-    pub(super) fn nodes(&self) -> &[[u32; 3]] {
-        &self.nodes
+    /// The places of the nodes.
+    pub(super) fn places(&self) -> impl Iterator<Item = [u32; 3]> {
+        self.nodes.iter().map(|node| node.ijk)
     }
 
     /// One run for each node.
@@ -49,29 +66,72 @@ pub(super) struct Subtree {
     pub(super) levels: Vec<LevelMasks>,
     /// The voxels' normals in Morton order.
     pub(super) normals: Vec<OctNormal>,
+    /// Whether the surface provably passes through a voxel, in Morton order.
+    pub(super) certified: Vec<bool>,
     /// Voxels without a usable gradient, by their place in `normals`.
     pub(super) missing_normals: Vec<u32>,
-    /// Boxes evaluated on each level of the whole octree.
-    pub(super) boxes_tested: Vec<u64>,
+    /// What it took.
+    pub(super) effort: Effort,
 }
 
-/// The state of one thread's search.
-pub(super) struct Search<'a, S: Simd, L: Lanes<Token = S>, const G: usize> {
-    corners: &'a Corners<L::Scalar>,
-    depth: u32,
-    evaluator: BoxEvaluator<L, G>,
-    boxes: Boxes<L::Scalar>,
-    normal_finder: NormalFinder<'a, S>,
-    masks: Vec<LevelMasks>,
-    boxes_tested: Vec<u64>,
+/// What a search evaluated.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Boxes decided on each level of the whole octree; entry 0 is the root's children.
+    pub boxes: Vec<u64>,
+    /// Boxes over which the gradient was evaluated.
+    pub gradients: u64,
+    /// Lattice corners at which the value was.
+    pub corners: u64,
+    /// Voxels that needed a closer look.
+    pub closer_looks: u64,
+}
+
+impl Effort {
+    fn new(depth: u32) -> Self {
+        Self { boxes: vec![0; depth as usize], ..Self::default() }
+    }
+
+    /// Adds another one's counts.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.boxes.iter_mut().zip(&other.boxes).for_each(|(sum, n)| *sum += n);
+        self.gradients += other.gradients;
+        self.corners += other.corners;
+        self.closer_looks += other.closer_looks;
+    }
 }
 
 /// Nodes this close to the voxels keep the tape they have: their runs would be too short to fill
 /// batches.
 const LEVELS_WITHOUT_SPLIT: u32 = 2;
 
+/// Fewer nodes than this of one level are cheaper to divide than to look at the gradients of.
+const WORTH_SLOPES: usize = 16;
+
 /// Parents in one batch.
 const PARENTS: usize = BATCH / 8;
+
+/// Neighbouring children that decided the choices of their tape alike: the first one, counted in
+/// children of the whole run, and the choices.
+struct Group {
+    first: usize,
+    choices: Vec<Choice>,
+}
+
+/// The state of one thread's search.
+pub(super) struct Search<'a, S: Simd, L: Lanes<Token = S>, const G: usize> {
+    corners: &'a Corners<L::Scalar>,
+    depth: u32,
+    values: BoxEvaluator<L, G>,
+    slopes: SlopeEvaluator<L, G>,
+    boxes: Boxes<L::Scalar>,
+    signs: CornerSigns,
+    closer: CloserLook<'a, S>,
+    normal_finder: NormalFinder<'a, S>,
+    masks: Vec<LevelMasks>,
+    certified: Vec<bool>,
+    effort: Effort,
+}
 
 impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
     pub(super) fn new(simd: S, lattice: &'a Lattice, corners: &'a Corners<L::Scalar>) -> Self {
@@ -79,11 +139,15 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
         Self {
             corners,
             depth,
-            evaluator: BoxEvaluator::new(simd),
+            values: BoxEvaluator::new(simd),
+            slopes: SlopeEvaluator::new(simd),
             boxes: Boxes::default(),
+            signs: CornerSigns::new(),
+            closer: CloserLook::new(simd, lattice),
             normal_finder: NormalFinder::new(simd, lattice),
             masks: vec![LevelMasks::default(); depth as usize],
-            boxes_tested: vec![0; depth as usize],
+            certified: Vec::new(),
+            effort: Effort::new(depth),
         }
     }
 
@@ -92,109 +156,325 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
         self.masks.iter_mut().map(std::mem::take).collect()
     }
 
-    /// The boxes evaluated on each level since the last call.
-    pub(super) fn take_boxes_tested(&mut self) -> Vec<u64> {
-        self.boxes_tested.iter_mut().map(std::mem::take).collect()
+    /// What was evaluated since the last call.
+    pub(super) fn take_effort(&mut self) -> Effort {
+        std::mem::replace(&mut self.effort, Effort::new(self.depth))
     }
 
-    /// Searches from the root down to the nodes of level `stop`, and returns those, in order.
+    /// Searches from the root down to the nodes of level `stop` by values alone, and returns
+    /// those, in order.
     pub(super) fn descend(&mut self, root: Run, stop: u32) -> Vec<Run> {
         let mut runs = vec![root];
         for level in 0..stop {
-            runs = runs.into_iter().flat_map(|run| self.split_children(run, level)).collect();
+            runs = runs.into_iter().flat_map(|run| self.divide(run, level)).collect();
         }
         runs
     }
 
     /// Searches the single node of `run`, on `level`, down to the voxels.
     pub(super) fn subtree(&mut self, run: Run, level: u32) -> Subtree {
-        self.refine(run, level);
+        self.search(run, level);
         let (normals, missing_normals) = self.normal_finder.take();
+        let certified = std::mem::take(&mut self.certified);
         let mut levels = self.take_masks().split_off(level as usize);
         let mut states = vec![NodeState::Mixed; normals.len()];
         for masks in levels.iter_mut().rev() {
             states = masks.settle(&states);
         }
         let root = states.first().copied().unwrap_or(NodeState::Empty);
-        let boxes_tested = self.take_boxes_tested();
-        Subtree { root, levels, normals, missing_normals, boxes_tested }
+        let effort = self.take_effort();
+        Subtree { root, levels, normals, certified, missing_normals, effort }
     }
 
-    fn refine(&mut self, run: Run, level: u32) {
-        if level == self.depth {
-            self.normal_finder.find(&run.tape, &run.nodes);
-        } else if run.tape.n_choices() > 0 && level + LEVELS_WITHOUT_SPLIT < self.depth {
-            for run in self.split_children(run, level) {
-                self.refine(run, level + 1);
+    /// Searches nodes above the blocks.
+    fn search(&mut self, run: Run, level: u32) {
+        if level + BLOCK_LEVELS < self.depth {
+            for run in self.divide(run, level) {
+                self.search(run, level + 1);
             }
-        } else {
-            let Run { nodes, tape } = run;
-            let mut children = Vec::new();
-            self.test_children(&nodes, level, &tape, false, |_, child| children.push(child));
-            self.refine(Run { nodes: children, tape }, level + 1);
+            return;
+        }
+        for run in run.into_single_nodes() {
+            for ijk in run.places() {
+                self.signs.enter(ijk.map(|i| i << (self.depth - level)));
+            }
+            self.search_block(run, level);
         }
     }
 
-    /// The surviving children of the nodes on `level`, in runs that decided their choices alike.
-    fn split_children(&mut self, run: Run, level: u32) -> Vec<Run> {
-        let Run { nodes, tape } = run;
-        let mut runs: Vec<Run> = Vec::new();
-        let mut last: Vec<Choice> = Vec::new();
-        let mut choices = Vec::new();
-        self.test_children(&nodes, level, &tape, true, |outcome, child| {
-            choices.clear();
-            choices.extend(outcome());
-            match runs.last_mut() {
-                Some(run) if choices == last => run.nodes.push(child),
-                _ => {
-                    let decided = choices.iter().any(|&choice| choice != Choice::Both);
-                    let tape = if decided {
-                        Arc::new(tape.shortened(choices.iter().copied()))
-                    } else {
-                        tape.clone()
-                    };
-                    runs.push(Run { nodes: vec![child], tape });
-                    std::mem::swap(&mut last, &mut choices);
-                }
+    /// Searches nodes of one block.
+    fn search_block(&mut self, run: Run, level: u32) {
+        if level + 1 == self.depth {
+            self.divide_into_voxels(&run, level);
+        } else {
+            for run in self.divide_with_slopes(run, level) {
+                self.search_block(run, level + 1);
             }
-        });
-        runs
+        }
     }
 
-    /// Tests the children of the nodes on `level`, records the masks of the nodes, and passes on
-    /// every child that survives, in order, with a way to ask how its choices went.
-    fn test_children(
-        &mut self,
-        nodes: &[[u32; 3]],
-        level: u32,
-        tape: &Tape,
-        trace: bool,
-        mut survivor: impl FnMut(&dyn Fn() -> Vec<Choice>, [u32; 3]),
-    ) {
-        let edge = 1 << (self.depth - level - 1);
-        for parents in nodes.chunks(PARENTS) {
-            let mut outside = 0;
-            for (p, &ijk) in parents.iter().enumerate() {
-                let missing = self.corners.write_children(&mut self.boxes, 8 * p, ijk, edge);
-                outside |= u64::from(missing) << (8 * p);
+    /// Divides the nodes of a run on `level` by the values of F: the surviving children, in runs
+    /// that decided their choices alike.
+    fn divide(&mut self, run: Run, level: u32) -> Vec<Run> {
+        let (families, groups) = self.test_values(&run, level);
+        self.children(run, level, &families, groups)
+    }
+
+    /// The same, with all that a block offers.
+    fn divide_with_slopes(&mut self, run: Run, level: u32) -> Vec<Run> {
+        let (mut families, groups) = self.test_values(&run, level);
+        self.follow_trends(&run, level, &mut families);
+        self.test_slopes(&run, level, &mut families);
+        self.children(run, level, &families, groups)
+    }
+
+    /// Divides the nodes above the voxels, and keeps the voxels.
+    fn divide_into_voxels(&mut self, run: &Run, level: u32) {
+        let (mut families, _) = self.test_values(run, level);
+        self.follow_trends(run, level, &mut families);
+        self.certify_at_corners(run, &mut families);
+        self.test_slopes(run, level, &mut families);
+        self.look_closer(run, &mut families);
+        let mut voxels = Vec::with_capacity(4 * families.len());
+        for (node, family) in run.nodes.iter().zip(&families) {
+            self.masks[level as usize].push(family.mixed, family.inside);
+            for c in bits(family.mixed) {
+                voxels.push(child_of(node.ijk, c));
+                self.certified.push(family.certified >> c & 1 == 1);
             }
-            let present = (u64::MAX >> (BATCH - 8 * parents.len())) & !outside;
-            self.boxes_tested[level as usize] += u64::from(present.count_ones());
-            let verdict = self.evaluator.eval(tape, &self.boxes, trace);
+        }
+        self.normal_finder.find(&run.tape, &voxels);
+    }
+
+    /// Tests the children of nodes without a trend by the values of F over them. Where runs are
+    /// still split, also tells how the choices went.
+    fn test_values(&mut self, run: &Run, level: u32) -> (Vec<Family>, Vec<Group>) {
+        let Run { nodes, tape } = run;
+        let edge = 1 << (self.depth - level - 1);
+        let is_voxel = level + 1 == self.depth;
+        let split = tape.n_choices() > 0 && level + LEVELS_WITHOUT_SPLIT < self.depth;
+        let mut families = vec![Family::EMPTY; nodes.len()];
+        let mut groups: Vec<Group> = Vec::new();
+        let mut rest = (0..nodes.len()).filter(|&i| !nodes[i].trend.is_known());
+        let mut n_tested = 0;
+        loop {
+            let mut parents = [0; PARENTS];
+            let mut n = 0;
+            for i in rest.by_ref().take(PARENTS) {
+                self.corners.write_children(&mut self.boxes, 8 * n, nodes[i].ijk, edge);
+                parents[n] = i;
+                n += 1;
+            }
+            if n == 0 {
+                break;
+            }
+            let verdict = self.values.eval(tape, &self.boxes, 8 * n, split);
             // A node that is undefined in part is divided until its undefined parts are empty; a
             // voxel is not divided, and counts as inside for the part that is defined.
-            let voxels = level + 1 == self.depth;
-            let inside = if voxels { verdict.inside_where_defined } else { verdict.inside };
-            let mixed = !verdict.empty & !inside & present;
-            let inside = inside & present;
-            for (p, &ijk) in parents.iter().enumerate() {
-                let of_parent = |mask: u64| (mask >> (8 * p)) as u8;
-                self.masks[level as usize].push(of_parent(mixed), of_parent(inside));
-                for c in bits(of_parent(mixed)) {
-                    let outcome = || self.evaluator.choices(8 * p + c as usize).collect();
-                    survivor(&outcome, child_of(ijk, c));
+            let inside = if is_voxel { verdict.inside_where_defined() } else { verdict.inside() };
+            let mixed = !verdict.empty & !inside;
+            let regular = verdict.continuous & verdict.in_region;
+            for (p, &i) in parents[..n].iter().enumerate() {
+                let present = self.corners.present_children(nodes[i].ijk, edge);
+                let of_parent = |lanes: u64| (lanes >> (8 * p)) as u8 & present;
+                n_tested += u64::from(present.count_ones());
+                let family = &mut families[i];
+                family.mixed = of_parent(mixed);
+                family.inside = of_parent(inside);
+                family.regular = of_parent(regular);
+                if split {
+                    for c in bits(family.mixed) {
+                        let first = 8 * i + c as usize;
+                        let choices = self.values.choices(8 * p + c as usize);
+                        match groups.last() {
+                            Some(group) if group.choices.iter().copied().eq(choices) => {}
+                            _ => {
+                                let choices = self.values.choices(8 * p + c as usize).collect();
+                                groups.push(Group { first, choices });
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        self.effort.boxes[level as usize] += n_tested;
+        (families, groups)
+    }
+
+    /// Tests the children of nodes with a trend by the signs at two of their corners, which tell
+    /// everything.
+    fn follow_trends(&mut self, run: &Run, level: u32, families: &mut [Family]) {
+        let edge = 1 << (self.depth - level - 1);
+        let with_trend = |i: &usize| run.nodes[*i].trend.is_known();
+        for i in (0..run.nodes.len()).filter(with_trend) {
+            let Node { ijk, trend } = run.nodes[i];
+            let present = self.corners.present_children(ijk, edge);
+            self.effort.boxes[level as usize] += u64::from(present.count_ones());
+            let first = self.signs.index_of(ijk.map(|i| 2 * i * edge));
+            let ends = [trend.to_least(edge), trend.to_most(edge)].map(CornerSigns::offset);
+            for c in bits(present) {
+                let child = first + child_offset(c, edge);
+                ends.iter().for_each(|end| self.signs.request(child + end));
+            }
+        }
+        self.tell_signs(&run.tape);
+        for i in (0..run.nodes.len()).filter(with_trend) {
+            let Node { ijk, trend } = run.nodes[i];
+            let family = &mut families[i];
+            family.regular = u8::MAX;
+            family.trends = [trend; 8];
+            let first = self.signs.index_of(ijk.map(|i| 2 * i * edge));
+            let ends = [trend.to_least(edge), trend.to_most(edge)].map(CornerSigns::offset);
+            for c in bits(self.corners.present_children(ijk, edge)) {
+                let child = first + child_offset(c, edge);
+                match ends.map(|end| self.signs.get(child + end)) {
+                    [Sign::Positive, _] => {}
+                    [_, Sign::Negative] => family.inside |= 1 << c,
+                    [least, most] => {
+                        family.mixed |= 1 << c;
+                        let crossed = least == Sign::Negative && most == Sign::Positive;
+                        family.certified |= u8::from(crossed) << c;
+                    }
                 }
             }
         }
     }
+
+    /// Certifies voxels in which F is continuous and which have corners of both signs.
+    fn certify_at_corners(&mut self, run: &Run, families: &mut [Family]) {
+        let without_trend = |i: &usize| !run.nodes[*i].trend.is_known();
+        for i in (0..run.nodes.len()).filter(without_trend) {
+            let first = self.signs.index_of(run.nodes[i].ijk.map(|i| 2 * i));
+            for c in bits(families[i].mixed & families[i].regular) {
+                let voxel = first + child_offset(c, 1);
+                (0..8).for_each(|k| self.signs.request(voxel + child_offset(k, 1)));
+            }
+        }
+        self.tell_signs(&run.tape);
+        for i in (0..run.nodes.len()).filter(without_trend) {
+            let first = self.signs.index_of(run.nodes[i].ijk.map(|i| 2 * i));
+            for c in bits(families[i].mixed & families[i].regular) {
+                let voxel = first + child_offset(c, 1);
+                let has = |sign| (0..8).any(|k| self.signs.get(voxel + child_offset(k, 1)) == sign);
+                let crossed = has(Sign::Negative) && has(Sign::Positive);
+                families[i].certified |= u8::from(crossed) << c;
+            }
+        }
+    }
+
+    fn tell_signs(&mut self, tape: &Tape) {
+        let n = self.signs.tell(&mut self.values, self.corners, tape, &mut self.boxes);
+        self.effort.corners += n;
+    }
+
+    /// Tests the surviving children by the gradient over them, and finds the trends of those that
+    /// have one.
+    fn test_slopes(&mut self, run: &Run, level: u32, families: &mut [Family]) {
+        let Run { nodes, tape } = run;
+        let edge = 1 << (self.depth - level - 1);
+        let is_voxel = level + 1 == self.depth;
+        // Below a trend tapes are not shortened any more.
+        let is_last_tape =
+            tape.n_choices() == 0 || level + 1 + LEVELS_WITHOUT_SPLIT >= self.depth;
+        let mut open: Vec<(usize, u32)> = Vec::new();
+        for (i, family) in families.iter().enumerate() {
+            if !nodes[i].trend.is_known() {
+                let children = bits(family.mixed & family.regular & !family.certified);
+                open.extend(children.map(|c| (i, c)));
+            }
+        }
+        if open.len() < WORTH_SLOPES && !is_voxel {
+            return;
+        }
+        self.effort.gradients += open.len() as u64;
+        for batch in open.chunks(BATCH) {
+            for (lane, &(i, c)) in batch.iter().enumerate() {
+                let child = child_of(nodes[i].ijk, c);
+                self.corners.write_node(&mut self.boxes, lane, child, edge);
+            }
+            let found = self.slopes.eval(&mut self.values, tape, &self.boxes, batch.len());
+            for (lane, &(i, c)) in batch.iter().enumerate() {
+                let is = |lanes: u64| lanes >> lane & 1 == 1;
+                if is(found.verdict.empty) {
+                    families[i].drop(c, false);
+                } else if is(found.verdict.negative) {
+                    families[i].drop(c, true);
+                } else if is_last_tape {
+                    let trend = Trend::new(found.rising.map(is), found.falling.map(is));
+                    families[i].trends[c as usize] = trend;
+                }
+            }
+        }
+    }
+
+    /// Looks closer at voxels that are neither certified nor dropped.
+    fn look_closer(&mut self, run: &Run, families: &mut [Family]) {
+        let mut open: Vec<(usize, u32)> = Vec::new();
+        for (i, family) in families.iter().enumerate() {
+            open.extend(bits(family.mixed & !family.certified).map(|c| (i, c)));
+        }
+        self.effort.closer_looks += open.len() as u64;
+        let voxels: Vec<[u32; 3]> =
+            open.iter().map(|&(i, c)| child_of(run.nodes[i].ijk, c)).collect();
+        let findings = self.closer.look(&run.tape, &voxels, &mut self.effort.gradients);
+        for (&(i, c), finding) in open.iter().zip(findings) {
+            match finding {
+                Finding::Candidate => {}
+                Finding::Certified => families[i].certified |= 1 << c,
+                Finding::Empty => families[i].drop(c, false),
+                Finding::Inside => families[i].drop(c, true),
+            }
+        }
+    }
+
+    /// Records the masks of the nodes on `level` and collects the children that are left, in runs
+    /// that share a tape.
+    fn children(
+        &mut self,
+        run: Run,
+        level: u32,
+        families: &[Family],
+        groups: Vec<Group>,
+    ) -> Vec<Run> {
+        let Run { nodes, tape } = run;
+        let mut runs: Vec<Run> = Vec::new();
+        let mut groups = groups.into_iter().peekable();
+        let mut group = None;
+        let mut is_new = true;
+        for (i, (node, family)) in nodes.iter().zip(families).enumerate() {
+            self.masks[level as usize].push(family.mixed, family.inside);
+            for c in bits(family.mixed) {
+                while let Some(next) = groups.next_if(|g| g.first <= 8 * i + c as usize) {
+                    group = Some(next);
+                    is_new = true;
+                }
+                if is_new {
+                    let tape = match &group {
+                        Some(Group { choices, .. }) if is_decided(choices) => {
+                            Arc::new(tape.shortened(choices.iter().copied()))
+                        }
+                        _ => tape.clone(),
+                    };
+                    runs.push(Run { nodes: Vec::new(), tape });
+                    is_new = false;
+                }
+                if let Some(run) = runs.last_mut() {
+                    let (ijk, trend) = (child_of(node.ijk, c), family.trends[c as usize]);
+                    run.nodes.push(Node { ijk, trend });
+                }
+            }
+        }
+        runs
+    }
+}
+
+/// Whether choices shorten a tape.
+fn is_decided(choices: &[Choice]) -> bool {
+    choices.iter().any(|&choice| choice != Choice::Both)
+}
+
+/// From the first corner of a node to that of its child `c`, or to its corner `c`.
+#[inline(always)]
+fn child_offset(c: u32, edge: u32) -> u32 {
+    CornerSigns::offset([c & 1, c >> 1 & 1, c >> 2].map(|bit| bit * edge))
 }

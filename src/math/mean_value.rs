@@ -1,0 +1,66 @@
+//! The mean value form: what a gradient tells of the values on a box.
+//!
+//! Along an axis on which F rises everywhere in the box, F is least at the lower end and largest at
+//! the upper one, so the axis can be left out: only its ends matter. Along the other axes F departs
+//! from its value in the middle by at most the slope times half the width. Hence
+//!
+//! F(low) − spread <= F <= F(high) + spread
+//!
+//! with `low` and `high` in the middle of the axes that are left, and at the proper ends of the
+//! others. If F is monotone along all three axes its range is exactly from F(low) to F(high).
+//!
+//! The proof needs no derivative: interval arithmetic on [`super::Dual`]s encloses the quotients of
+//! differences, (F(p) − F(q)) / (p − q) along each axis, of every operation, because each is
+//! continuous wherever nothing discontinuous was noted of its *value*.
+//!
+//! *Based on:* R. Moore, "Interval Analysis", 1966, sections 6.3 and 6.5 (mean value form,
+//! monotonicity); E. Hansen, G. Walster, "Global Optimization Using Interval Analysis", 2004,
+//! section 7 (reduction by monotonicity).
+
+use super::{
+    interval::{Interval, round_up},
+    lanes::Lanes,
+};
+
+/// Bounds of F on a box in terms of its values at two points; see the file's text.
+pub struct MeanValue<L: Lanes> {
+    /// Where F is least, but for the spread.
+    pub low: [L; 3],
+    /// Where F is largest, but for the spread.
+    pub high: [L; 3],
+    /// How far F may leave the values at those points; +∞ if nothing is known.
+    pub spread: L,
+    /// The lanes where F does not fall along an axis.
+    pub rising: [L::Mask; 3],
+    /// The lanes where F does not rise along an axis.
+    pub falling: [L::Mask; 3],
+}
+
+impl<L: Lanes> MeanValue<L> {
+    /// The form over `bounds`, a box on which the gradient lies in `gradient`.
+    #[inline(always)]
+    pub fn new(bounds: &[Interval<L>; 3], gradient: &[Interval<L>; 3]) -> Self {
+        let zero = bounds[0].lo.same(0.0);
+        let none = L::splat_mask(zero.token(), false);
+        let mut form = Self {
+            low: [zero; 3],
+            high: [zero; 3],
+            spread: zero,
+            rising: [none; 3],
+            falling: [none; 3],
+        };
+        for axis in 0..3 {
+            let (x, slope) = (bounds[axis], gradient[axis]);
+            let (rising, falling) = (zero.le(slope.lo), slope.hi.le(zero));
+            let middle = (x.lo + (x.hi - x.lo) * x.lo.same(0.5)).max(x.lo).min(x.hi);
+            let half = round_up((x.hi - middle).max(middle - x.lo));
+            let departure = round_up(slope.magnitudes().1 * half);
+            let departure = L::pick(rising | falling, zero, departure);
+            form.spread = round_up(form.spread + departure);
+            form.low[axis] = L::pick(rising, x.lo, L::pick(falling, x.hi, middle));
+            form.high[axis] = L::pick(rising, x.hi, L::pick(falling, x.lo, middle));
+            (form.rising[axis], form.falling[axis]) = (rising, falling);
+        }
+        form
+    }
+}
