@@ -70,15 +70,16 @@ pub struct Ranges<T> {
 pub struct BoxEvaluator<L: Lanes, const G: usize> {
     token: L::Token,
     machine: Machine<Interval<L>, G>,
-    /// The last verdict's, if the tape had a region.
-    in_region: Option<u64>,
+    last: Verdict,
+    /// Whether the last tape had a region.
+    has_region: bool,
 }
 
 impl<S: Simd, L: Lanes<Token = S>, const G: usize> BoxEvaluator<L, G> {
     /// An evaluator for the instruction set of `token`.
     pub fn new(token: S) -> Self {
         const { assert!(G * L::LEN == BATCH, "the vectors of a slot hold one batch") };
-        Self { token, machine: Machine::default(), in_region: None }
+        Self { token, machine: Machine::default(), last: Verdict::default(), has_region: false }
     }
 
     /// Evaluates `tape` over the first `n` boxes; where `trace`, [`BoxEvaluator::choices`] can be
@@ -101,7 +102,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> BoxEvaluator<L, G> {
                 verdict(machine.slot(tape.result()), region, &notes[..n_vectors])
             },
         );
-        self.in_region = tape.region().map(|_| verdict.in_region);
+        (self.last, self.has_region) = (verdict, tape.region().is_some());
         verdict
     }
 
@@ -130,18 +131,20 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> BoxEvaluator<L, G> {
         ranges
     }
 
-    /// How the choices of the last traced tape went for the box `lane`.
+    /// How the choices of the last traced tape went for the box `lane`. None is decided where F is
+    /// undefined in part: the operand that loses may be what is undefined, and F with it.
     pub fn choices(&self, lane: usize) -> impl Iterator<Item = Choice> {
+        let is = move |lanes: u64| lanes >> lane & 1 == 1;
+        let is_defined = is(self.last.defined);
         let of_operations = self.machine.choices().iter().map(move |&[first, second]| {
-            match (first >> lane & 1, second >> lane & 1) {
-                (1, _) => Choice::First,
-                (_, 1) => Choice::Second,
+            match (is_defined && is(first), is_defined && is(second)) {
+                (true, _) => Choice::First,
+                (_, true) => Choice::Second,
                 _ => Choice::Both,
             }
         });
-        let of_region = self.in_region.map(|lanes| match lanes >> lane & 1 {
-            1 => Choice::First,
-            _ => Choice::Both,
+        let of_region = self.has_region.then(|| {
+            if is_defined && is(self.last.in_region) { Choice::First } else { Choice::Both }
         });
         of_operations.chain(of_region)
     }

@@ -42,7 +42,7 @@ pub struct Tape {
 }
 
 /// The outcome of every choice of a tape on one box, in the order of its instructions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Choice {
     /// Not decided.
     Both,

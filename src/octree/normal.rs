@@ -6,6 +6,8 @@
 
 use glam::DVec3;
 
+use crate::math::Lanes;
+
 /// A unit vector, folded onto the octahedron |x|+|y|+|z| = 1 and flattened to a square.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct OctNormal(u32);
@@ -17,14 +19,35 @@ impl OctNormal {
     /// Encodes a vector of any positive finite length.
     #[must_use]
     pub fn encode(v: DVec3) -> Self {
-        let n = v / (v.x.abs() + v.y.abs() + v.z.abs());
-        let (a, b) = if n.z >= 0.0 {
-            (n.x, n.y)
-        } else {
-            ((1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y))
-        };
-        let step = |c: f64| ((c * STEPS).round_ties_even() as i16) as u16;
-        Self(u32::from(step(a)) | (u32::from(step(b)) << 16))
+        Self::from_steps(Self::steps(v.to_array()))
+    }
+
+    /// The two coordinates of vectors on the square, in steps: whole numbers.
+    #[inline(always)]
+    #[must_use]
+    pub fn steps<L: Lanes<Scalar = f64>>([x, y, z]: [L; 3]) -> [L; 2] {
+        let (zero, one) = (x.same(0.0), x.same(1.0));
+        let size = x.abs() + y.abs() + z.abs();
+        let (x, y, z) = (x / size, y / size, z / size);
+        let folded = [one - y.abs(), one - x.abs()];
+        let folded = [
+            L::pick(zero.le(x), folded[0], -folded[0]),
+            L::pick(zero.le(y), folded[1], -folded[1]),
+        ];
+        let is_upper = zero.le(z);
+        let steps = x.same(STEPS);
+        [
+            (L::pick(is_upper, x, folded[0]) * steps).round(),
+            (L::pick(is_upper, y, folded[1]) * steps).round(),
+        ]
+    }
+
+    /// The normal of what [`OctNormal::steps`] gives.
+    #[inline(always)]
+    #[must_use]
+    pub fn from_steps(steps: [f64; 2]) -> Self {
+        let [a, b] = steps.map(|step| u32::from((step as i16) as u16));
+        Self(a | b << 16)
     }
 
     /// Decodes to a unit vector.

@@ -74,13 +74,9 @@ impl<T: Scalar> Corners<T> {
         }
     }
 
-    /// Writes the smallest box around a corner of the lattice to one lane: the corner itself, where
-    /// the type holds it.
-    pub(super) fn write_corner(&self, boxes: &mut Boxes<T>, lane: usize, corner: [u32; 3]) {
-        for axis in 0..3 {
-            let plane = corner[axis].min(self.n_voxels[axis]) as usize;
-            boxes.lo[axis][lane] = self.below[axis][plane];
-            boxes.hi[axis][lane] = self.above[axis][plane];
-        }
+    /// The bounds of a plane.
+    pub(super) fn plane(&self, axis: usize, index: u32) -> [T; 2] {
+        let i = index.min(self.n_voxels[axis]) as usize;
+        [self.below[axis][i], self.above[axis][i]]
     }
 }

@@ -17,6 +17,7 @@ mod node;
 mod normals;
 mod sampling;
 mod search;
+mod shortened;
 mod signs;
 
 use std::sync::{

@@ -68,6 +68,13 @@ impl Family {
     pub(super) const EMPTY: Self =
         Self { mixed: 0, inside: 0, regular: 0, certified: 0, trends: [Trend::UNKNOWN; 8] };
 
+    /// The children of which gradients or corners may tell more. A child with a trend has told
+    /// everything; until gradients are looked at, all have the trend of their parent or none.
+    #[inline(always)]
+    pub(super) fn open(&self) -> u8 {
+        if self.trends[0].is_known() { 0 } else { self.mixed & self.regular & !self.certified }
+    }
+
     /// Child `c` was found to have no surface.
     pub(super) fn drop(&mut self, c: u32, is_inside: bool) {
         self.mixed &= !(1 << c);

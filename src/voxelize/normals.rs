@@ -1,17 +1,18 @@
 //! Normals of voxels: the analytic gradient at the centre, or what the neighbours say.
 
-use fearless_simd::Simd;
+use fearless_simd::{Simd, f64x8};
 use glam::DVec3;
 
 use crate::{
     eval::{GradientEvaluator, POINT_BATCH, Points},
     expr::Tape,
-    math::Lattice,
+    math::{Lanes, Lattice, Mask},
     octree::{MortonOctree, OctNormal, Storage},
 };
 
 /// Finds the normals of one thread's voxels and collects them in order.
 pub(super) struct NormalFinder<'a, S: Simd> {
+    simd: S,
     lattice: &'a Lattice,
     evaluator: GradientEvaluator<S>,
     normals: Vec<OctNormal>,
@@ -21,7 +22,7 @@ pub(super) struct NormalFinder<'a, S: Simd> {
 impl<'a, S: Simd> NormalFinder<'a, S> {
     pub(super) fn new(simd: S, lattice: &'a Lattice) -> Self {
         let evaluator = GradientEvaluator::new(simd);
-        Self { lattice, evaluator, normals: Vec::new(), missing: Vec::new() }
+        Self { simd, lattice, evaluator, normals: Vec::new(), missing: Vec::new() }
     }
 
     /// Adds the normals of `voxels`.
@@ -33,12 +34,12 @@ impl<'a, S: Simd> NormalFinder<'a, S> {
                 (0..3).for_each(|axis| centers[axis][lane] = center[axis]);
             }
             let gradients = self.evaluator.eval(tape, &centers);
+            let ([a, b], usable) = steps(self.simd, &gradients);
             for lane in 0..batch.len() {
-                let gradient = DVec3::from_array([0, 1, 2].map(|axis| gradients[axis][lane]));
-                if !is_usable(gradient) {
+                if usable >> lane & 1 == 0 {
                     self.missing.push(self.normals.len() as u32);
                 }
-                self.normals.push(encode(gradient));
+                self.normals.push(OctNormal::from_steps([a[lane], b[lane]]));
             }
         }
     }
@@ -49,20 +50,50 @@ impl<'a, S: Simd> NormalFinder<'a, S> {
     }
 }
 
-/// Whether a vector has a direction.
-fn is_usable(v: DVec3) -> bool {
-    let size = v.abs().max_element();
-    v.is_finite() && size > f64::MIN_POSITIVE / f64::EPSILON
+/// The directions of a batch of vectors as [`OctNormal::steps`], and the lanes that have one, as
+/// bits; the others are +z.
+fn steps<S: Simd>(simd: S, vectors: &Points) -> ([[f64; POINT_BATCH]; 2], u64) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut steps = [[0.0; POINT_BATCH]; 2];
+            let mut usable = 0;
+            for first in (0..POINT_BATCH).step_by(f64x8::<S>::LEN) {
+                let [x, y, z] = [0, 1, 2].map(
+                    #[inline(always)]
+                    |axis| f64x8::load(simd, &vectors[axis][first..]),
+                );
+                let (direction, is_usable) = direction([x, y, z]);
+                let [a, b] = OctNormal::steps(direction);
+                a.store(&mut steps[0][first..]);
+                b.store(&mut steps[1][first..]);
+                usable |= is_usable.bits() << first;
+            }
+            (steps, usable)
+        },
+    )
+}
+
+/// Vectors scaled so that no sum of their components overflows, and the lanes where they have a
+/// direction; the others are +z.
+#[inline(always)]
+fn direction<L: Lanes<Scalar = f64>>([x, y, z]: [L; 3]) -> ([L; 3], L::Mask) {
+    let (zero, one) = (x.same(0.0), x.same(1.0));
+    let largest = x.same(f64::MAX);
+    let is_finite = x.abs().le(largest) & y.abs().le(largest) & z.abs().le(largest);
+    let size = x.abs().max(y.abs()).max(z.abs());
+    let usable = is_finite & size.gt(x.same(f64::MIN_POSITIVE / f64::EPSILON));
+    let scaled = [
+        L::pick(usable, x / size, zero),
+        L::pick(usable, y / size, zero),
+        L::pick(usable, z / size, one),
+    ];
+    (scaled, usable)
 }
 
 /// The direction of a vector, or +z where it has none.
 fn encode(v: DVec3) -> OctNormal {
-    // Scaled first, so that the sum of the components cannot overflow.
-    if is_usable(v) {
-        OctNormal::encode(v / v.abs().max_element())
-    } else {
-        OctNormal::encode(DVec3::Z)
-    }
+    OctNormal::from_steps(OctNormal::steps(direction(v.to_array()).0))
 }
 
 /// Gives every voxel in `missing` the mean normal of those of its 26 neighbours that have one.

@@ -25,7 +25,8 @@ use super::{
     corners::Corners,
     node::{Family, Node, Trend},
     normals::NormalFinder,
-    signs::{BLOCK_LEVELS, CornerSigns, Sign},
+    shortened::ShortenedTapes,
+    signs::{BLOCK_LEVELS, CornerSigns, Signs, steps_to, steps_to_children},
 };
 use crate::{
     eval::{BATCH, BoxEvaluator, Boxes, SlopeEvaluator},
@@ -125,9 +126,10 @@ pub(super) struct Search<'a, S: Simd, L: Lanes<Token = S>, const G: usize> {
     values: BoxEvaluator<L, G>,
     slopes: SlopeEvaluator<L, G>,
     boxes: Boxes<L::Scalar>,
-    signs: CornerSigns,
+    signs: CornerSigns<L::Scalar>,
     closer: CloserLook<'a, S>,
     normal_finder: NormalFinder<'a, S>,
+    tapes: ShortenedTapes,
     masks: Vec<LevelMasks>,
     certified: Vec<bool>,
     effort: Effort,
@@ -145,6 +147,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
             signs: CornerSigns::new(),
             closer: CloserLook::new(simd, lattice),
             normal_finder: NormalFinder::new(simd, lattice),
+            tapes: ShortenedTapes::default(),
             masks: vec![LevelMasks::default(); depth as usize],
             certified: Vec::new(),
             effort: Effort::new(depth),
@@ -174,6 +177,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
     /// Searches the single node of `run`, on `level`, down to the voxels.
     pub(super) fn subtree(&mut self, run: Run, level: u32) -> Subtree {
         self.search(run, level);
+        self.tapes.forget();
         let (normals, missing_normals) = self.normal_finder.take();
         let certified = std::mem::take(&mut self.certified);
         let mut levels = self.take_masks().split_off(level as usize);
@@ -196,7 +200,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
         }
         for run in run.into_single_nodes() {
             for ijk in run.places() {
-                self.signs.enter(ijk.map(|i| i << (self.depth - level)));
+                self.signs.enter(ijk.map(|i| i << (self.depth - level)), self.corners);
             }
             self.search_block(run, level);
         }
@@ -305,66 +309,65 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
     /// everything.
     fn follow_trends(&mut self, run: &Run, level: u32, families: &mut [Family]) {
         let edge = 1 << (self.depth - level - 1);
-        let with_trend = |i: &usize| run.nodes[*i].trend.is_known();
-        for i in (0..run.nodes.len()).filter(with_trend) {
-            let Node { ijk, trend } = run.nodes[i];
-            let present = self.corners.present_children(ijk, edge);
-            self.effort.boxes[level as usize] += u64::from(present.count_ones());
-            let first = self.signs.index_of(ijk.map(|i| 2 * i * edge));
-            let ends = [trend.to_least(edge), trend.to_most(edge)].map(CornerSigns::offset);
-            for c in bits(present) {
-                let child = first + child_offset(c, edge);
-                ends.iter().for_each(|end| self.signs.request(child + end));
-            }
+        let children = steps_to_children(edge);
+        let ends_of = |trend: Trend| {
+            let [least, most] = [trend.to_least(edge), trend.to_most(edge)].map(steps_to);
+            [children.map(|child| child + least), children.map(|child| child + most)]
+        };
+        for Node { ijk, trend } in run.nodes.iter().filter(|node| node.trend.is_known()) {
+            let first = self.signs.place(ijk.map(|i| 2 * i * edge));
+            ends_of(*trend).iter().for_each(|ends| self.signs.ask(first, ends));
         }
         self.tell_signs(&run.tape);
-        for i in (0..run.nodes.len()).filter(with_trend) {
-            let Node { ijk, trend } = run.nodes[i];
-            let family = &mut families[i];
-            family.regular = u8::MAX;
-            family.trends = [trend; 8];
-            let first = self.signs.index_of(ijk.map(|i| 2 * i * edge));
-            let ends = [trend.to_least(edge), trend.to_most(edge)].map(CornerSigns::offset);
-            for c in bits(self.corners.present_children(ijk, edge)) {
-                let child = first + child_offset(c, edge);
-                match ends.map(|end| self.signs.get(child + end)) {
-                    [Sign::Positive, _] => {}
-                    [_, Sign::Negative] => family.inside |= 1 << c,
-                    [least, most] => {
-                        family.mixed |= 1 << c;
-                        let crossed = least == Sign::Negative && most == Sign::Positive;
-                        family.certified |= u8::from(crossed) << c;
-                    }
-                }
+        let mut n_tested = 0;
+        for (Node { ijk, trend }, family) in run.nodes.iter().zip(families) {
+            if !trend.is_known() {
+                continue;
             }
+            let present = self.corners.present_children(*ijk, edge);
+            n_tested += u64::from(present.count_ones());
+            let first = self.signs.place(ijk.map(|i| 2 * i * edge));
+            let [least, most] = ends_of(*trend).map(|ends| self.signs.get(first, &ends));
+            *family = Family { regular: present, trends: [*trend; 8], ..Family::EMPTY };
+            for c in 0..8 {
+                let (least, most) = (least[c], most[c]);
+                let is_empty = least.have(Signs::POSITIVE);
+                let is_inside = most.have(Signs::NEGATIVE);
+                let is_mixed = !is_empty & !is_inside;
+                let is_crossed = is_mixed & least.and(most).have(Signs::BOTH);
+                family.inside |= u8::from(is_inside) << c;
+                family.mixed |= u8::from(is_mixed) << c;
+                family.certified |= u8::from(is_crossed) << c;
+            }
+            family.inside &= present;
+            family.mixed &= present;
+            family.certified &= present;
         }
+        self.effort.boxes[level as usize] += n_tested;
     }
 
     /// Certifies voxels in which F is continuous and which have corners of both signs.
     fn certify_at_corners(&mut self, run: &Run, families: &mut [Family]) {
-        let without_trend = |i: &usize| !run.nodes[*i].trend.is_known();
-        for i in (0..run.nodes.len()).filter(without_trend) {
-            let first = self.signs.index_of(run.nodes[i].ijk.map(|i| 2 * i));
-            for c in bits(families[i].mixed & families[i].regular) {
-                let voxel = first + child_offset(c, 1);
-                (0..8).for_each(|k| self.signs.request(voxel + child_offset(k, 1)));
+        let children = steps_to_children(1);
+        for (node, family) in run.nodes.iter().zip(&*families) {
+            let first = self.signs.place(node.ijk.map(|i| 2 * i));
+            for c in bits(family.open()) {
+                self.signs.ask(first + children[c as usize], &children);
             }
         }
         self.tell_signs(&run.tape);
-        for i in (0..run.nodes.len()).filter(without_trend) {
-            let first = self.signs.index_of(run.nodes[i].ijk.map(|i| 2 * i));
-            for c in bits(families[i].mixed & families[i].regular) {
-                let voxel = first + child_offset(c, 1);
-                let has = |sign| (0..8).any(|k| self.signs.get(voxel + child_offset(k, 1)) == sign);
-                let crossed = has(Sign::Negative) && has(Sign::Positive);
-                families[i].certified |= u8::from(crossed) << c;
+        for (node, family) in run.nodes.iter().zip(families) {
+            let first = self.signs.place(node.ijk.map(|i| 2 * i));
+            for c in bits(family.open()) {
+                let corners = self.signs.get(first + children[c as usize], &children);
+                let signs = corners.into_iter().fold(Signs::default(), Signs::and);
+                family.certified |= u8::from(signs.have(Signs::BOTH)) << c;
             }
         }
     }
 
     fn tell_signs(&mut self, tape: &Tape) {
-        let n = self.signs.tell(&mut self.values, self.corners, tape, &mut self.boxes);
-        self.effort.corners += n;
+        self.effort.corners += self.signs.tell(&mut self.values, tape, &mut self.boxes);
     }
 
     /// Tests the surviving children by the gradient over them, and finds the trends of those that
@@ -378,10 +381,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
             tape.n_choices() == 0 || level + 1 + LEVELS_WITHOUT_SPLIT >= self.depth;
         let mut open: Vec<(usize, u32)> = Vec::new();
         for (i, family) in families.iter().enumerate() {
-            if !nodes[i].trend.is_known() {
-                let children = bits(family.mixed & family.regular & !family.certified);
-                open.extend(children.map(|c| (i, c)));
-            }
+            open.extend(bits(family.open()).map(|c| (i, c)));
         }
         if open.len() < WORTH_SLOPES && !is_voxel {
             return;
@@ -449,11 +449,9 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
                     is_new = true;
                 }
                 if is_new {
-                    let tape = match &group {
-                        Some(Group { choices, .. }) if is_decided(choices) => {
-                            Arc::new(tape.shortened(choices.iter().copied()))
-                        }
-                        _ => tape.clone(),
+                    let tape = match group.take() {
+                        Some(Group { choices, .. }) => self.tapes.shortened(&tape, choices),
+                        None => tape.clone(),
                     };
                     runs.push(Run { nodes: Vec::new(), tape });
                     is_new = false;
@@ -466,15 +464,4 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
         }
         runs
     }
-}
-
-/// Whether choices shorten a tape.
-fn is_decided(choices: &[Choice]) -> bool {
-    choices.iter().any(|&choice| choice != Choice::Both)
-}
-
-/// From the first corner of a node to that of its child `c`, or to its corner `c`.
-#[inline(always)]
-fn child_offset(c: u32, edge: u32) -> u32 {
-    CornerSigns::offset([c & 1, c >> 1 & 1, c >> 2].map(|bit| bit * edge))
 }

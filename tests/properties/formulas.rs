@@ -93,7 +93,7 @@ pub(crate) fn boxes() -> impl Strategy<Value = [[f32; 2]; 3]> {
 }
 
 /// The point at the given fractions of a box.
-fn point_in(bounds: [[f32; 2]; 3], at: [f64; 3]) -> [f64; 3] {
+pub(crate) fn point_in(bounds: [[f32; 2]; 3], at: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|axis| {
         let [lo, hi] = bounds[axis].map(f64::from);
         (lo + at[axis] * (hi - lo)).clamp(lo, hi)
@@ -107,6 +107,12 @@ fn run<N: Number<Lanes: Lanes<Token = ()>>>(
     let mut machine = Machine::<N, 1>::default();
     let notes = machine.run((), tape, &inputs.map(|v| [v]), false);
     (machine.slot(tape.result())[0], notes[0])
+}
+
+/// An enclosure of the value at a point, where the formula is defined and continuous.
+pub(crate) fn range_at(tape: &Tape, p: [f64; 3]) -> Option<Interval<f64>> {
+    let (range, notes) = run(tape, p.map(Interval::point));
+    (!notes.undefined && !notes.discontinuous).then_some(range)
 }
 
 pub(crate) fn value_at(tape: &Tape, p: [f64; 3]) -> f64 {

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use zeroset::{
     eval::{
         BATCH, BoxEvaluator, Boxes, GradientEvaluator, Machine, POINT_BATCH, PointEvaluator, Points,
+        SlopeEvaluator, SlopeVerdict, Verdict,
     },
     expr::{Choice, Tape},
     math::{Dual, Interval, Lanes, Notes, Number, Point, Scalar, SimdLevel, SimdTask},
@@ -24,8 +25,9 @@ fn bits(v: f64) -> u64 {
 #[derive(Debug, PartialEq)]
 struct Findings {
     ranges: [Vec<u64>; 2],
-    verdicts: [[u64; 3]; 2],
+    verdicts: [Verdict; 2],
     choices: [Vec<Vec<Choice>>; 2],
+    slopes: [SlopeVerdict; 2],
     values: Vec<u64>,
     gradients: Vec<u64>,
 }
@@ -90,17 +92,25 @@ impl SimdTask for Everything<'_> {
         );
         let mut narrow_boxes = BoxEvaluator::<f32x16<S>, { BATCH / 16 }>::new(simd);
         let mut wide_boxes = BoxEvaluator::<f64x8<S>, { BATCH / 8 }>::new(simd);
-        let verdicts = [narrow_boxes.eval(tape, narrow, true), wide_boxes.eval(tape, wide, true)];
+        let verdicts = [
+            narrow_boxes.eval(tape, narrow, BATCH, true),
+            wide_boxes.eval(tape, wide, BATCH, true),
+        ];
         let choices = [
             (0..BATCH).map(|lane| narrow_boxes.choices(lane).collect()).collect(),
             (0..BATCH).map(|lane| wide_boxes.choices(lane).collect()).collect(),
+        ];
+        let slopes = [
+            SlopeEvaluator::new(simd).eval(&mut narrow_boxes, tape, narrow, BATCH),
+            SlopeEvaluator::new(simd).eval(&mut wide_boxes, tape, wide, BATCH),
         ];
         let values = PointEvaluator::new(simd).eval(tape, points);
         let gradients = GradientEvaluator::new(simd).eval(tape, points);
         Findings {
             ranges: [narrow_ranges, wide_ranges],
-            verdicts: verdicts.map(|v| [v.empty, v.inside, v.inside_where_defined]),
+            verdicts,
             choices,
+            slopes,
             values: values.map(bits).to_vec(),
             gradients: gradients.as_flattened().iter().map(|&v| bits(v)).collect(),
         }

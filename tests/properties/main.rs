@@ -8,4 +8,5 @@ mod formulas;
 mod intervals;
 mod levels;
 mod numbers;
+mod slopes;
 mod voxels;

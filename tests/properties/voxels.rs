@@ -59,6 +59,9 @@ const SCENE_3: &str = "r = sin(3*theta)*sin(4*phi)";
 /// Samples along an edge of a voxel, both ends included.
 const SAMPLES: u32 = 5;
 
+/// The same for a closer look: certificates come from the ends and middles of eighths of voxels.
+const FINE_SAMPLES: u32 = 17;
+
 /// What the samples of one voxel show.
 #[derive(Clone, Copy, Debug, Default)]
 struct Signs {
@@ -86,7 +89,7 @@ impl SimdTask for Sampling<'_> {
             .map_init(
                 || PointEvaluator::new(simd),
                 |evaluator, (j, k)| {
-                    (0..nx).map(|i| self.signs(evaluator, [i, j, k])).collect::<Vec<_>>()
+                    (0..nx).map(|i| self.signs(evaluator, [i, j, k], SAMPLES)).collect::<Vec<_>>()
                 },
             )
             .flatten()
@@ -95,17 +98,22 @@ impl SimdTask for Sampling<'_> {
 }
 
 impl Sampling<'_> {
-    fn signs<S: Simd>(&self, evaluator: &mut PointEvaluator<S>, ijk: [u32; 3]) -> Signs {
+    fn signs<S: Simd>(
+        &self,
+        evaluator: &mut PointEvaluator<S>,
+        ijk: [u32; 3],
+        samples: u32,
+    ) -> Signs {
         let mut signs = Signs::default();
-        let n = SAMPLES.pow(3);
+        let n = samples.pow(3);
         for first in (0..n).step_by(POINT_BATCH) {
             let mut points: Points = [[0.0; POINT_BATCH]; 3];
             for (lane, nth) in (first..).take(POINT_BATCH).enumerate() {
                 let nth = nth.min(n - 1);
-                let step = [nth % SAMPLES, nth / SAMPLES % SAMPLES, nth / (SAMPLES * SAMPLES)];
+                let step = [nth % samples, nth / samples % samples, nth / (samples * samples)];
                 for axis in 0..3 {
                     let [a, b] = [0, 1].map(|end| self.lattice.corner(axis, ijk[axis] + end));
-                    let t = f64::from(step[axis]) / f64::from(SAMPLES - 1);
+                    let t = f64::from(step[axis]) / f64::from(samples - 1);
                     points[axis][lane] = if t == 1.0 { b } else { a + t * (b - a) };
                 }
             }
@@ -138,6 +146,17 @@ fn is_beside_negative(all: &[Signs], lattice: &Lattice, ijk: [u32; 3]) -> bool {
     })
 }
 
+/// The signs of one voxel's fine samples.
+struct CloserSampling<'a>(Sampling<'a>, [u32; 3]);
+
+impl SimdTask for CloserSampling<'_> {
+    type Output = Signs;
+
+    fn run<S: Simd>(self, simd: S) -> Signs {
+        self.0.signs(&mut PointEvaluator::new(simd), self.1, FINE_SAMPLES)
+    }
+}
+
 /// Voxelizes and holds every voxel against its samples.
 fn check(name: &str, expr: &Expr, lattice: &Lattice, rounding: f64) -> Voxelization {
     let found = run(expr, lattice);
@@ -152,7 +171,15 @@ fn check(name: &str, expr: &Expr, lattice: &Lattice, rounding: f64) -> Voxelizat
         let crossed = (signs.negative && signs.positive) || signs.zero;
         n_crossed += u32::from(crossed);
         match occupancy {
-            Occupancy::Surface => assert!(found.octree.find(ijk).is_some()),
+            Occupancy::Surface => {
+                let rank = found.octree.find(ijk).unwrap();
+                if found.octree.is_certified(rank) && !(signs.negative && signs.positive) {
+                    // Here the smallest values have a sign too: a certificate is exact.
+                    let sampling = Sampling { tape: &tape, lattice, rounding: 0.0 };
+                    let signs = SimdLevel::detect().run(CloserSampling(sampling, ijk));
+                    assert!(signs.negative && signs.positive, "{name}: {ijk:?} shows {signs:?}");
+                }
+            }
             Occupancy::Inside => {
                 assert!(
                     !signs.positive && !signs.zero,
@@ -266,8 +293,24 @@ fn certain_signs(tape: &Tape, p: [f64; 3]) -> [bool; 2] {
     let mut machine = Machine::<Interval<f64>, 1>::default();
     let notes = machine.run((), tape, &inputs, false);
     let range = machine.slot(tape.result());
-    let is_regular = !notes[0].undefined && !notes[0].discontinuous;
-    [range[0].hi < 0.0, 0.0 < range[0].lo].map(|sign| sign && is_regular)
+    let is_defined = !notes[0].undefined && !notes[0].partial;
+    [range[0].hi < 0.0, 0.0 < range[0].lo].map(|sign| sign && is_defined)
+}
+
+/// What is certain of F at some of a lattice of points in a voxel.
+fn certain_signs_in(tape: &Tape, lattice: &Lattice, ijk: [u32; 3], samples: u32) -> [bool; 2] {
+    let mut signs = [false; 2];
+    for nth in 0..samples.pow(3) {
+        let step = [nth % samples, nth / samples % samples, nth / (samples * samples)];
+        let p = [0, 1, 2].map(|axis| {
+            let [a, b] = [0, 1].map(|end| lattice.corner(axis, ijk[axis] + end));
+            let t = f64::from(step[axis]) / f64::from(samples - 1);
+            if t == 1.0 { b } else { a + t * (b - a) }
+        });
+        let here = certain_signs(tape, p);
+        signs = [signs[0] | here[0], signs[1] | here[1]];
+    }
+    signs
 }
 
 proptest! {
@@ -290,15 +333,13 @@ proptest! {
         let [nx, ny, nz] = lattice.n_voxels();
         for i in 0..nx * ny * nz {
             let ijk = [i % nx, i / nx % ny, i / (nx * ny)];
-            let mut signs = [false; 2];
-            for corner in 0..8_u32 {
-                let end = [corner & 1, corner >> 1 & 1, corner >> 2];
-                let p = [0, 1, 2].map(|axis| lattice.corner(axis, ijk[axis] + end[axis]));
-                let here = certain_signs(&tape, p);
-                signs = [signs[0] | here[0], signs[1] | here[1]];
-            }
+            let signs = certain_signs_in(&tape, &lattice, ijk, 3);
             let wrong = match octree.occupancy(ijk) {
-                Occupancy::Surface => false,
+                Occupancy::Surface => {
+                    octree.is_certified(octree.find(ijk).unwrap())
+                        && signs != [true; 2]
+                        && certain_signs_in(&tape, &lattice, ijk, FINE_SAMPLES) != [true; 2]
+                }
                 Occupancy::Inside => signs[1],
                 Occupancy::Empty => signs[0],
             };
@@ -375,7 +416,7 @@ fn threads_and_levels_change_nothing() {
         let reference = run(expr, lattice);
         let same = |other: &Voxelization, what: &str| {
             assert_eq!(other.octree.digest(), reference.octree.digest(), "{what}");
-            assert_eq!(other.boxes_tested, reference.boxes_tested, "{what}");
+            assert_eq!(other.effort, reference.effort, "{what}");
         };
         for threads in [1, 2, 7] {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

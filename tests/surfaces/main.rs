@@ -3,11 +3,14 @@
 
 #![expect(clippy::unwrap_used, reason = "a surface that cannot be parsed is a failure")]
 
+mod thin;
+
 use std::{collections::BTreeSet, path::Path};
 
 use zeroset::{
+    expr::Expr,
     math::{Aabb, Lattice, SimdLevel},
-    octree::Storage,
+    octree::{MortonOctree, Storage},
     progress::Unwatched,
     scene::{self, Scene},
     voxelize,
@@ -187,13 +190,18 @@ fn scene(surface: &Surface) -> Scene {
         .unwrap_or_else(|rejection| panic!("{}: {:?}", surface.name, rejection.diagnostics))
 }
 
-fn voxels(surface: &Surface, resolution: u32) -> BTreeSet<[u32; 3]> {
-    let scene = scene(surface);
+fn lattice(surface: &Surface, resolution: u32) -> Lattice {
     let reach = [surface.reach; 3];
     let domain = Aabb { min: reach.map(|r| -r).into(), max: reach.into() };
-    let lattice = Lattice::new(domain, resolution);
-    let (expr, simd) = (&scene.surfaces[0].expr, SimdLevel::detect());
-    let octree = voxelize(expr, &lattice, simd, u32::MAX, &Unwatched).unwrap().octree;
+    Lattice::new(domain, resolution)
+}
+
+fn octree(expr: &Expr, lattice: &Lattice) -> MortonOctree {
+    voxelize(expr, lattice, SimdLevel::detect(), u32::MAX, &Unwatched).unwrap().octree
+}
+
+fn voxels(surface: &Surface, resolution: u32) -> BTreeSet<[u32; 3]> {
+    let octree = octree(&scene(surface).surfaces[0].expr, &lattice(surface, resolution));
     let mut voxels = BTreeSet::new();
     for part in octree.parts() {
         octree.visit(part, &mut |voxel| {

@@ -1,0 +1,34 @@
+//! Shortened tapes, each made once in a subtree: neighbours on both sides of a seam come back to the
+//! same few outcomes again and again.
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashMap;
+
+use crate::expr::{Choice, Tape};
+
+/// The tapes made so far.
+#[derive(Default)]
+pub(super) struct ShortenedTapes {
+    /// By the address of the tape that was shortened, which is kept alive here, and the outcome.
+    made: FxHashMap<(usize, Vec<Choice>), (Arc<Tape>, Arc<Tape>)>,
+}
+
+impl ShortenedTapes {
+    /// `tape` where its choices went as given.
+    pub(super) fn shortened(&mut self, tape: &Arc<Tape>, choices: Vec<Choice>) -> Arc<Tape> {
+        if choices.iter().all(|&choice| choice == Choice::Both) {
+            return tape.clone();
+        }
+        let address = Arc::as_ptr(tape) as usize;
+        let (_, shortened) = self.made.entry((address, choices)).or_insert_with_key(|(_, choices)| {
+            (tape.clone(), Arc::new(tape.shortened(choices.iter().copied())))
+        });
+        shortened.clone()
+    }
+
+    /// Starts anew.
+    pub(super) fn forget(&mut self) {
+        self.made.clear();
+    }
+}
