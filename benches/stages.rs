@@ -7,13 +7,13 @@ use std::{io::Cursor, path::Path};
 use divan::Bencher;
 use rayon::ThreadPool;
 use zeroset::{
-    math::{Lattice, SimdLevel},
+    math::Lattice,
     octree::MortonOctree,
     output::{exr, png},
     progress::Unwatched,
     raster::{self, Camera, Frame, Layer},
     scene::{self, Scene},
-    voxelize,
+    voxelize::{Settings, voxelize},
 };
 
 const SCENES: [&str; 3] = ["scene1", "scene2", "scene3"];
@@ -38,7 +38,7 @@ fn lattice(scene: &Scene) -> Lattice {
 
 fn find(scene: &Scene, lattice: &Lattice) -> MortonOctree {
     let expr = &scene.surfaces[0].expr;
-    voxelize(expr, lattice, SimdLevel::detect(), u32::MAX, &Unwatched).unwrap().octree
+    voxelize(expr, lattice, &Settings::default(), &Unwatched).unwrap().octree
 }
 
 fn draw(scene: &Scene, lattice: &Lattice, octree: &MortonOctree) -> Frame {

@@ -89,6 +89,7 @@ pub mod raster;
 pub mod scene;
 pub mod statistics;
 pub mod voxelize;
+pub mod yields;
 
 pub use error::{Error, Result};
 pub use voxelize::voxelize;

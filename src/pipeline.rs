@@ -3,15 +3,16 @@
 use std::{num::NonZeroUsize, path::PathBuf, thread, time::Instant};
 
 use crate::{
-    Error, Result, advice, limits,
+    Error, Result, advice,
+    limits::{self, Memory},
     math::{Lattice, SimdLevel},
-    octree::{MortonOctree, Storage},
+    octree::Storage,
     output::{self, exr, png},
     progress::Progress,
     raster::{self, Camera, Frame, Layer},
     scene::{Scene, Surface},
     statistics::{self, Boxes, DomainBox, Statistics, Times, Voxels, hex},
-    voxelize::{self, Voxelization},
+    voxelize::{self, Settings, Voxelization},
 };
 
 /// What the user may change for one run without touching the scene.
@@ -25,6 +26,8 @@ pub struct Options {
     pub resolution: Option<u32>,
     /// Instruction set; the machine's best where `None`. Results do not depend on it.
     pub simd: Option<SimdLevel>,
+    /// Bytes of memory that may be taken; three quarters of the machine's where `None`.
+    pub max_memory: Option<u64>,
 }
 
 /// What a run did.
@@ -43,8 +46,8 @@ pub struct Report {
 pub struct Picture {
     /// The picture with its layers.
     pub frame: Frame,
-    /// One octree for each surface of the scene.
-    pub octrees: Vec<MortonOctree>,
+    /// The voxels of each surface of the scene.
+    pub storages: Vec<Box<dyn Storage>>,
     /// Numbers.
     pub statistics: Statistics,
     /// What the user should know about how the scene was understood.
@@ -71,7 +74,7 @@ pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<
 /// # Errors
 /// [`Error::Limit`] if the picture is too large for the machine.
 pub fn check(scene: &Scene) -> Result<()> {
-    limits::check_image(&scene.image)
+    Memory::new(None).check_image(&scene.image)
 }
 
 /// Renders `scene` and writes nothing.
@@ -83,11 +86,15 @@ pub fn render(scene: &Scene, options: &Options, progress: &dyn Progress) -> Resu
         .threads
         .or_else(|| thread::available_parallelism().ok())
         .map_or(1, NonZeroUsize::get);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(n_threads)
-        .build()
-        .map_err(|error| Error::Limit(format!("cannot start {n_threads} threads: {error}")))?;
-    pool.install(|| render_with_all_threads(scene, options, progress))
+    with_threads(n_threads, || render_with_all_threads(scene, options, progress))?
+}
+
+/// Runs `work` in a pool of its own.
+fn with_threads<T: Send>(n_threads: usize, work: impl FnOnce() -> T + Send) -> Result<T> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build();
+    let pool =
+        pool.map_err(|error| Error::Limit(format!("cannot start {n_threads} threads: {error}")))?;
+    Ok(pool.install(work))
 }
 
 fn render_with_all_threads(
@@ -96,38 +103,32 @@ fn render_with_all_threads(
     progress: &dyn Progress,
 ) -> Result<Picture> {
     let simd = options.simd.unwrap_or_else(SimdLevel::detect);
-    limits::check_image(&scene.image)?;
+    let memory = Memory::new(options.max_memory);
+    memory.check_image(&scene.image)?;
     let mut notes = Vec::new();
-    let domain = scene.domain.unwrap_or_else(|| {
-        let surfaces = scene.surfaces.iter().map(|s| (s.name.as_str(), &s.expr));
-        let (domain, note) = advice::choose_domain(surfaces, simd);
-        notes.push(note);
-        domain
-    });
-    let lattice = Lattice::new(domain, options.resolution.unwrap_or(scene.resolution));
+    let lattice = choose_lattice(scene, options.resolution, simd, &mut notes);
 
     let start = Instant::now();
-    let mut voxelizations: Vec<Voxelization> = Vec::new();
-    let mut n_voxels = 0;
-    for surface in &scene.surfaces {
-        let room = limits::max_voxels() - n_voxels;
-        let found = voxelize::voxelize(&surface.expr, &lattice, simd, room, progress)?;
-        n_voxels += found.octree.voxel_count();
-        voxelizations.push(found);
-    }
+    let (voxelizations, n_voxels) = find_voxels(scene, &lattice, simd, &memory, progress)?;
     let voxelize = start.elapsed().as_secs_f64();
     if n_voxels == 0 {
         return Err(nothing_found(scene, &lattice, simd));
     }
     notes.extend(notes_on(scene, &voxelizations, &lattice, simd));
+    let n_certified = voxelizations.iter().map(|v| u64::from(v.octree.certified_count())).sum();
+    let boxes = Boxes::sum(voxelizations.iter().map(|v| &v.effort));
+    let precision = voxelizations[0].precision.name();
+    let digests = voxelizations.iter().map(|v| hex(v.octree.digest())).collect();
+    let storages: Vec<Box<dyn Storage>> =
+        voxelizations.into_iter().map(|found| scene.storage.keep(found.octree)).collect();
 
     let start = Instant::now();
     let layers: Vec<Layer<'_>> = scene
         .surfaces
         .iter()
-        .zip(&voxelizations)
-        .map(|(surface, found)| Layer {
-            storage: &found.octree,
+        .zip(&storages)
+        .map(|(surface, storage)| Layer {
+            storage: &**storage,
             lattice: &lattice,
             material: surface.material,
         })
@@ -137,30 +138,76 @@ fn render_with_all_threads(
     let frame = raster::render(&layers, &camera, &scene.image, progress)?;
     let rasterize = start.elapsed().as_secs_f64();
 
-    let n_certified = voxelizations.iter().map(|v| u64::from(v.octree.certified_count())).sum();
     let statistics = Statistics {
         scene: scene.name.clone(),
         resolution: lattice.n_voxels(),
         domain: DomainBox::from(lattice.bounds()),
-        boxes: Boxes::sum(voxelizations.iter().map(|v| &v.effort)),
+        boxes,
         voxels: Voxels {
             stored: n_voxels.into(),
             certified: n_certified,
             candidate: u64::from(n_voxels) - n_certified,
         },
         octree: statistics::Octree {
-            bytes: voxelizations.iter().map(|v| v.octree.bytes()).sum(),
-            digests: voxelizations.iter().map(|v| hex(v.octree.digest())).collect(),
+            bytes: statistics::Bytes::sum(storages.iter().map(|storage| storage.bytes())),
+            digests,
         },
         frame: statistics::Frame::from(&frame.digest()),
-        precision: voxelizations[0].precision.name(),
+        precision,
         simd: simd.name(),
         threads: rayon::current_num_threads(),
         time_s: Times { voxelize, rasterize, write: 0.0 },
         peak_memory_bytes: limits::peak_memory_bytes(),
     };
-    let octrees = voxelizations.into_iter().map(|found| found.octree).collect();
-    Ok(Picture { frame, octrees, statistics, notes })
+    Ok(Picture { frame, storages, statistics, notes })
+}
+
+/// The voxel lattice of `scene`, with another resolution if one is given.
+#[must_use]
+pub fn lattice(scene: &Scene, resolution: Option<u32>) -> Lattice {
+    choose_lattice(scene, resolution, SimdLevel::detect(), &mut Vec::new())
+}
+
+/// Adds a note if the domain had to be found.
+fn choose_lattice(
+    scene: &Scene,
+    resolution: Option<u32>,
+    simd: SimdLevel,
+    notes: &mut Vec<String>,
+) -> Lattice {
+    let domain = scene.domain.unwrap_or_else(|| {
+        let surfaces = scene.surfaces.iter().map(|s| (s.name.as_str(), &s.expr));
+        let (domain, note) = advice::choose_domain(surfaces, simd);
+        notes.push(note);
+        domain
+    });
+    Lattice::new(domain, resolution.unwrap_or(scene.resolution))
+}
+
+/// The voxels of all surfaces, and how many they are.
+fn find_voxels(
+    scene: &Scene,
+    lattice: &Lattice,
+    simd: SimdLevel,
+    memory: &Memory,
+    progress: &dyn Progress,
+) -> Result<(Vec<Voxelization>, u32)> {
+    let Scene { storage, image, schedule, .. } = scene;
+    let max_voxels = memory.max_voxels(lattice, *storage, image);
+    let settings = Settings { simd, schedule: *schedule, max_voxels };
+    let mut n_expected = 0;
+    for surface in &scene.surfaces {
+        n_expected += voxelize::expected_voxels(&surface.expr, lattice, &settings)?;
+    }
+    memory.check_voxels(n_expected, lattice, *storage, image)?;
+    let (mut voxelizations, mut n_voxels) = (Vec::new(), 0);
+    for surface in &scene.surfaces {
+        let settings = Settings { max_voxels: max_voxels - n_voxels, ..settings };
+        let found = voxelize::voxelize(&surface.expr, lattice, &settings, progress)?;
+        n_voxels += found.octree.voxel_count();
+        voxelizations.push(found);
+    }
+    Ok((voxelizations, n_voxels))
 }
 
 /// Says why there is no voxel.

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::{
     math::Aabb,
+    octree,
     raster::{FrameDigest, PlaneDigest},
     voxelize::Effort,
 };
@@ -101,9 +102,37 @@ pub struct Voxels {
 #[derive(Clone, Debug, Serialize)]
 pub struct Octree {
     /// Bytes on the heap.
-    pub bytes: u64,
-    /// One digest for each surface, over shape and normals.
+    pub bytes: Bytes,
+    /// One digest for each surface, over shape, normals and certificates.
     pub digests: Vec<String>,
+}
+
+/// Bytes on the heap, by what they are for.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Bytes {
+    /// All of them.
+    pub total: u64,
+    /// Where voxels are, and what lies inside.
+    pub shape: u64,
+    /// Normals.
+    pub normals: u64,
+    /// Certificates.
+    pub certificates: u64,
+}
+
+impl Bytes {
+    /// Adds up those of several surfaces.
+    #[must_use]
+    pub fn sum(of_surfaces: impl Iterator<Item = octree::Bytes>) -> Self {
+        let mut sum = Self::default();
+        for octree::Bytes { shape, normals, certificates } in of_surfaces {
+            sum.shape += shape;
+            sum.normals += normals;
+            sum.certificates += certificates;
+        }
+        sum.total = sum.shape + sum.normals + sum.certificates;
+        sum
+    }
 }
 
 /// The picture.

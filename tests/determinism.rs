@@ -25,6 +25,7 @@ fn render(scene: &Scene, threads: usize, simd: Option<SimdLevel>) -> Picture {
         threads: NonZeroUsize::new(threads),
         resolution: Some(150),
         simd,
+        max_memory: None,
     };
     pipeline::render(scene, &options, &Unwatched).unwrap()
 }

@@ -100,6 +100,7 @@ fn render(scene: &str, size: Size) -> Result<Picture, Failed> {
         threads: None,
         resolution: Some(size.resolution),
         simd: None,
+        max_memory: None,
     };
     pipeline::render(&scene, &options, &Unwatched).map_err(|error| error.to_string().into())
 }

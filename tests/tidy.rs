@@ -10,7 +10,7 @@ use std::{
 
 /// Every top-level module with the modules that it may use; data flows from left to right through
 /// the pipeline, so nobody uses what comes after.
-const MAY_USE: [(&str, &[&str]); 16] = [
+const MAY_USE: [(&str, &[&str]); 17] = [
     ("math", &[]),
     ("diagnostic", &[]),
     ("progress", &[]),
@@ -21,9 +21,9 @@ const MAY_USE: [(&str, &[&str]); 16] = [
     ("voxelize", &["eval", "expr", "math", "octree", "progress"]),
     ("raster", &["math", "octree", "progress"]),
     ("output", &["raster"]),
-    ("scene", &["diagnostic", "expr", "math", "raster"]),
-    ("statistics", &["math", "raster", "voxelize"]),
-    ("limits", &["raster"]),
+    ("scene", &["diagnostic", "expr", "math", "octree", "raster", "voxelize"]),
+    ("statistics", &["math", "octree", "raster", "voxelize"]),
+    ("limits", &["math", "octree", "raster"]),
     ("advice", &["expr", "math", "octree", "voxelize"]),
     (
         "pipeline",
@@ -40,7 +40,20 @@ const MAY_USE: [(&str, &[&str]); 16] = [
             "voxelize",
         ],
     ),
-    ("cli", &["diagnostic", "math", "output", "pipeline", "progress", "scene", "statistics"]),
+    ("yields", &["math", "progress", "scene", "voxelize"]),
+    (
+        "cli",
+        &[
+            "diagnostic",
+            "math",
+            "output",
+            "pipeline",
+            "progress",
+            "scene",
+            "statistics",
+            "yields",
+        ],
+    ),
 ];
 
 /// What the crate's root offers to all.

@@ -1,10 +1,11 @@
 //! What was typed, and what it asks for. Nothing else sees clap.
 
-use std::{num::NonZeroUsize, path::PathBuf};
+use std::{num::NonZeroUsize, path::PathBuf, thread};
 
 use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
 use clap_complete::Shell;
 
+use super::yields::Measurement;
 use crate::{math::SimdLevel, pipeline::Options, scene::MAX_RESOLUTION};
 
 const EXAMPLES: &str = "\
@@ -52,6 +53,10 @@ struct RenderArgs {
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
     resolution: Option<u32>,
 
+    /// Memory that may be taken, such as 800M or 12G [default: three quarters of the machine's]
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    max_memory: Option<u64>,
+
     /// SIMD level [default: the best of this machine]; the result does not depend on it
     #[arg(long, value_name = "LEVEL", value_parser = simd_level)]
     simd: Option<SimdLevel>,
@@ -77,10 +82,37 @@ struct Input {
     quiet: bool,
 }
 
+#[derive(Debug, Args)]
+struct YieldArgs {
+    #[command(flatten)]
+    input: Input,
+
+    /// Numbers of threads to compare [default: 1, 2, 4 and so on up to one for each core]
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',')]
+    #[arg(value_parser = value_parser!(u16).range(1..=1024))]
+    threads: Vec<u16>,
+
+    /// How often each is timed; medians are shown
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(value_parser = value_parser!(u32).range(1..=1000))]
+    runs: u32,
+
+    /// Voxels along the longest axis, instead of what the scenes say
+    #[arg(long, value_name = "N")]
+    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
+    resolution: Option<u32>,
+
+    /// Directory for the plots; created if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+}
+
 #[derive(Debug, Subcommand)]
 enum Subcommands {
     /// Find every mistake in scene files without rendering them
     Check(Input),
+    /// Measure how well threads share the work: a table, and a plot NAME-yield.svg
+    Yield(YieldArgs),
     /// Print the JSON Schema of scene files, with which editors complete them
     Schema,
     /// Print a script that makes a shell complete this command
@@ -99,6 +131,24 @@ fn simd_level(name: &str) -> Result<SimdLevel, String> {
     })
 }
 
+/// A number of bytes with one of the endings K, M, G and T, for powers of 1024, or none.
+fn bytes(text: &str) -> Result<u64, String> {
+    let (number, exponent) = match text.find(|c: char| !c.is_ascii_digit()) {
+        None => (text, 0),
+        Some(end) => match &text[end..] {
+            "K" | "k" => (&text[..end], 1),
+            "M" => (&text[..end], 2),
+            "G" => (&text[..end], 3),
+            "T" => (&text[..end], 4),
+            _ => return Err("write a number such as 800M or 12G".to_owned()),
+        },
+    };
+    let number: Option<u64> = number.parse().ok();
+    number
+        .and_then(|n| n.checked_mul(1 << (10 * exponent)))
+        .ok_or_else(|| "write a number such as 800M or 12G".to_owned())
+}
+
 /// Where statistics go.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum StatsTarget {
@@ -114,6 +164,8 @@ pub(super) enum Plan {
     Render { scenes: Scenes, options: Options, stats: StatsTarget },
     /// Look for mistakes.
     Check(Scenes),
+    /// Measure how well threads share the work.
+    Yield(Scenes, Measurement),
     /// Print the schema of scene files.
     Schema,
     /// Print what was made of the definition of the arguments.
@@ -138,6 +190,7 @@ fn plan(line: CommandLine) -> Result<Plan, clap::Error> {
     Ok(match line.command {
         None => render(line.render),
         Some(Subcommands::Check(input)) => Plan::Check(scenes(input)),
+        Some(Subcommands::Yield(args)) => measure(args),
         Some(Subcommands::Schema) => Plan::Schema,
         Some(Subcommands::Completions { shell }) => Plan::Print(completions(shell)),
         Some(Subcommands::Man) => Plan::Print(manual()?),
@@ -152,6 +205,7 @@ fn render(args: RenderArgs) -> Plan {
             threads: args.threads.and_then(|n| NonZeroUsize::new(usize::from(n))),
             resolution: args.resolution,
             simd: args.simd,
+            max_memory: args.max_memory,
         },
         stats: match args.stats {
             None => StatsTarget::Nowhere,
@@ -159,6 +213,17 @@ fn render(args: RenderArgs) -> Plan {
             Some(file) => StatsTarget::File(file),
         },
     }
+}
+
+fn measure(args: YieldArgs) -> Plan {
+    let n_cores = thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    let powers = std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|&n| n < n_cores);
+    let threads = match args.threads.as_slice() {
+        [] => powers.chain([n_cores]).collect(),
+        some => some.iter().copied().map(usize::from).collect(),
+    };
+    let YieldArgs { input, runs, resolution, out, .. } = args;
+    Plan::Yield(scenes(input), Measurement { threads, runs, resolution, out_dir: out })
 }
 
 fn scenes(input: Input) -> Scenes {

@@ -4,6 +4,7 @@ mod args;
 mod progress;
 mod render;
 mod report;
+mod yields;
 
 use std::{path::Path, process::ExitCode};
 
@@ -24,6 +25,7 @@ pub fn run() -> ExitCode {
     ExitCode::from(match plan {
         Plan::Render { scenes, options, stats } => render::render(scenes, options, stats),
         Plan::Check(scenes) => check(&scenes),
+        Plan::Yield(scenes, measurement) => yields::measure(&scenes, &measurement),
         Plan::Schema => print(scene::schema().as_bytes()),
         Plan::Print(text) => print(&text),
     })

@@ -3,13 +3,19 @@
 //! Stolte & Kaufman keep storage apart from subdivision (1998, section 4); so does this crate:
 //! voxelization produces voxels, a [`Storage`] holds them, rasterization visits them.
 
+mod dense;
 mod masks;
 mod morton;
 mod normal;
+mod pointer;
 
+pub use dense::{DenseGrid, DenseGridBuilder, dense_grid_bytes};
 pub use masks::{LevelMasks, NodeState, bits};
 pub use morton::MortonOctree;
 pub use normal::OctNormal;
+pub use pointer::{PointerOctree, PointerOctreeBuilder};
+
+use fixedbitset::FixedBitSet;
 
 /// One stored voxel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,8 +52,30 @@ pub enum Occupancy {
     Surface,
 }
 
+/// Bytes held on the heap, by what they are for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bytes {
+    /// Where voxels are, and what lies inside.
+    pub shape: u64,
+    /// Normals.
+    pub normals: u64,
+    /// Certificates.
+    pub certificates: u64,
+}
+
+impl Bytes {
+    /// Of normals and certificates, which all storages keep alike, and a shape.
+    fn new(shape: usize, normals: &[OctNormal], certified: &FixedBitSet) -> Self {
+        Self {
+            shape: shape as u64,
+            normals: size_of_val(normals) as u64,
+            certificates: size_of_val(certified.as_slice()) as u64,
+        }
+    }
+}
+
 /// Holds the voxels of one surface.
-pub trait Storage: Send + Sync {
+pub trait Storage: std::fmt::Debug + Send + Sync {
     /// Number of levels below the root; the lattice has `2^depth` voxels along an axis at most.
     fn depth(&self) -> u32;
 
@@ -55,7 +83,7 @@ pub trait Storage: Send + Sync {
     fn voxel_count(&self) -> u32;
 
     /// Bytes held on the heap.
-    fn bytes(&self) -> u64;
+    fn bytes(&self) -> Bytes;
 
     /// Splits the voxels into parts for parallel traversal, in canonical order. The split depends
     /// on the stored voxels alone, never on the number of threads.
@@ -81,4 +109,45 @@ pub trait Storage: Send + Sync {
 
     /// What is known about the voxel at `ijk`.
     fn occupancy(&self, ijk: [u32; 3]) -> Occupancy;
+}
+
+/// Takes voxels one by one, in any order, each once.
+pub trait StoreVoxels {
+    /// Stores a voxel.
+    fn store(&mut self, ijk: [u32; 3], normal: OctNormal, certified: bool);
+
+    /// Notes that the node at `ijk` of `level` lies inside and has no voxels.
+    fn store_inside(&mut self, level: u32, ijk: [u32; 3]);
+
+    /// Puts the voxels in canonical order.
+    fn finish(self: Box<Self>) -> Box<dyn Storage>;
+}
+
+/// Which storage holds the voxels. They differ in memory and speed, never in the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StorageKind {
+    /// [`MortonOctree`].
+    #[default]
+    Morton,
+    /// [`PointerOctree`].
+    Pointer,
+    /// [`DenseGrid`].
+    Dense,
+}
+
+impl StorageKind {
+    /// Keeps what `octree` holds in a storage of this kind.
+    #[must_use]
+    pub fn keep(self, octree: MortonOctree) -> Box<dyn Storage> {
+        let mut storage: Box<dyn StoreVoxels> = match self {
+            Self::Morton => return Box::new(octree),
+            Self::Pointer => Box::new(PointerOctreeBuilder::new(octree.depth())),
+            Self::Dense => Box::new(DenseGridBuilder::new(octree.depth())),
+        };
+        octree.visit_inside(&mut |level, ijk| storage.store_inside(level, ijk));
+        for part in octree.parts() {
+            octree.visit(part, &mut |v| storage.store(v.ijk, v.normal, v.certified));
+        }
+        storage.finish()
+    }
 }

@@ -11,7 +11,9 @@ use std::hash::Hasher;
 use fixedbitset::FixedBitSet;
 use siphasher::sip128::{Hasher128, SipHasher13};
 
-use super::{LevelMasks, NodeState, Occupancy, OctNormal, Part, Storage, Voxel, masks::bits};
+use super::{
+    Bytes, LevelMasks, NodeState, Occupancy, OctNormal, Part, Storage, Voxel, masks::bits,
+};
 use crate::math::child_of;
 
 /// An octree of voxels; see the file's text.
@@ -150,6 +152,32 @@ impl MortonOctree {
         nodes.into_iter().zip(0..).map(|(ijk, index)| Part { level, index, ijk }).collect()
     }
 
+    /// Calls `visit` with level and coordinates of every largest node that lies inside.
+    pub fn visit_inside(&self, visit: &mut dyn FnMut(u32, [u32; 3])) {
+        match self.root {
+            NodeState::Empty => {}
+            NodeState::Inside => visit(0, [0; 3]),
+            NodeState::Mixed => self.walk_inside(0, 0, [0; 3], visit),
+        }
+    }
+
+    fn walk_inside(
+        &self,
+        level: usize,
+        index: usize,
+        ijk: [u32; 3],
+        visit: &mut dyn FnMut(u32, [u32; 3]),
+    ) {
+        let Some(here) = self.levels.get(level) else { return };
+        for c in bits(here.masks.inside[index]) {
+            visit(level as u32 + 1, child_of(ijk, c));
+        }
+        let first = here.first_child(index);
+        for (nth, c) in bits(here.masks.mixed[index]).enumerate() {
+            self.walk_inside(level + 1, first + nth, child_of(ijk, c), visit);
+        }
+    }
+
     fn walk(&self, level: usize, index: usize, ijk: [u32; 3], visit: &mut dyn FnMut(Voxel)) {
         let Some(here) = self.levels.get(level) else {
             let certified = self.certified.contains(index);
@@ -172,13 +200,13 @@ impl Storage for MortonOctree {
         self.normals.len() as u32
     }
 
-    fn bytes(&self) -> u64 {
+    fn bytes(&self) -> Bytes {
         let shape: usize = self
             .levels
             .iter()
             .map(|level| 2 * level.masks.len() + 4 * level.children_before.len())
             .sum();
-        (shape + 4 * self.normals.len() + self.certified.len().div_ceil(8)) as u64
+        Bytes::new(shape, &self.normals, &self.certified)
     }
 
     fn parts(&self) -> Vec<Part> {
@@ -236,7 +264,10 @@ fn octant_of(ijk: [u32; 3], shift: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::morton_encode;
+    use crate::{
+        math::morton_encode,
+        octree::{DenseGridBuilder, PointerOctreeBuilder, StoreVoxels},
+    };
     use proptest::prelude::*;
     use std::collections::BTreeSet;
 
@@ -264,7 +295,25 @@ mod tests {
         let certified = certified.enumerate().filter(|&(_, is)| is).map(|(i, _)| i);
         let mut set = FixedBitSet::with_capacity(codes.len());
         set.extend(certified);
-        MortonOctree::new(NodeState::Mixed, levels, normals, set)
+        // Some of the children without voxels lie inside.
+        for level in &mut levels {
+            for i in 0..level.len() {
+                level.inside[i] = !level.mixed[i] & 0b0101_0011;
+            }
+        }
+        let root = if codes.is_empty() { NodeState::Inside } else { NodeState::Mixed };
+        MortonOctree::new(root, levels, normals, set)
+    }
+
+    /// All that a storage tells, in its order.
+    fn content(storage: &dyn Storage) -> (Vec<Voxel>, Vec<Part>) {
+        let mut voxels = Vec::new();
+        let parts = storage.parts();
+        for &part in &parts {
+            storage.visit(part, &mut |voxel| voxels.push(voxel));
+        }
+        let places = parts.into_iter().map(|part| Part { index: 0, ..part }).collect();
+        (voxels, places)
     }
 
     proptest! {
@@ -290,6 +339,36 @@ mod tests {
             let ijk = crate::math::morton_decode(other);
             prop_assert_eq!(octree.find(ijk).is_some(), codes.contains(&other));
             prop_assert_eq!(octree.occupancy(ijk) == Occupancy::Surface, codes.contains(&other));
+        }
+
+        /// The other storages, filled in any order, hold the same and say the same.
+        #[test]
+        fn storages_agree(
+            codes in prop::collection::btree_set(0..1_u64 << (3 * DEPTH), 0..300),
+            order in any::<u64>(),
+            others in prop::collection::vec(0..1_u64 << (3 * DEPTH), 50),
+        ) {
+            let octree = octree(&codes);
+            let (voxels, _) = content(&octree);
+            let mut shuffled = voxels;
+            shuffled.sort_by_key(|v| u64::from(v.rank).wrapping_mul(order | 1) >> 7 & 0xffff);
+            let builders: [Box<dyn StoreVoxels>; 2] = [
+                Box::new(PointerOctreeBuilder::new(DEPTH)),
+                Box::new(DenseGridBuilder::new(DEPTH)),
+            ];
+            for mut builder in builders {
+                let (first, last) = shuffled.split_at(shuffled.len() / 2);
+                first.iter().for_each(|v| builder.store(v.ijk, v.normal, v.certified));
+                octree.visit_inside(&mut |level, ijk| builder.store_inside(level, ijk));
+                last.iter().for_each(|v| builder.store(v.ijk, v.normal, v.certified));
+                let storage = builder.finish();
+                prop_assert_eq!(content(&*storage), content(&octree));
+                for &code in others.iter().chain(&codes) {
+                    let ijk = crate::math::morton_decode(code);
+                    prop_assert_eq!(storage.occupancy(ijk), octree.occupancy(ijk));
+                    prop_assert_eq!(storage.find(ijk), octree.find(ijk));
+                }
+            }
         }
     }
 }

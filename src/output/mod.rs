@@ -5,6 +5,7 @@
 
 mod atomic;
 pub mod exr;
+pub mod plot;
 pub mod png;
 
 pub use atomic::{FileWriter, write_file};

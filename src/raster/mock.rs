@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::{Layer, Material};
 use crate::{
     math::{Aabb, Lattice, morton_encode},
-    octree::{Occupancy, OctNormal, Part, Storage, Voxel},
+    octree::{Bytes, Occupancy, OctNormal, Part, Storage, Voxel},
 };
 
 /// Parts are nodes this many levels above the voxels.
@@ -31,7 +31,10 @@ impl Mock {
         places.dedup_by_key(|&mut (ijk, _)| ijk);
         let voxels: Vec<Voxel> = (0..)
             .zip(places)
-            .map(|(rank, (ijk, n))| Voxel { rank, ijk, normal: OctNormal::encode(n) })
+            .map(|(rank, (ijk, n))| {
+                let normal = OctNormal::encode(n);
+                Voxel { rank, ijk, normal, certified: rank % 2 == 0 }
+            })
             .collect();
         let level = lattice.depth().saturating_sub(PART_LEVELS);
         let mut starts = Vec::new();
@@ -85,8 +88,8 @@ impl Storage for Mock {
         self.voxels.len() as u32
     }
 
-    fn bytes(&self) -> u64 {
-        0
+    fn bytes(&self) -> Bytes {
+        Bytes::default()
     }
 
     fn parts(&self) -> Vec<Part> {
@@ -100,6 +103,10 @@ impl Storage for Mock {
 
     fn normal(&self, rank: u32) -> OctNormal {
         self.voxels[rank as usize].normal
+    }
+
+    fn is_certified(&self, rank: u32) -> bool {
+        self.voxels[rank as usize].certified
     }
 
     fn find(&self, ijk: [u32; 3]) -> Option<u32> {

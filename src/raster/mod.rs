@@ -35,7 +35,7 @@ pub use digest::{FrameDigest, PlaneDigest};
 pub use fit::Content;
 pub use frame::Frame;
 pub use layer::Layer;
-pub use settings::{Axes, ImageSettings, Light, Material, Placement, Projection, View};
+pub use settings::{Axes, ImageSettings, Light, Material, Placement, Projection, Shade, View};
 
 use crate::{Result, progress::Progress};
 use screen::Screen;
@@ -58,6 +58,6 @@ pub fn render(
 ) -> Result<Frame> {
     let screen = Screen::new(camera, image.width, image.height);
     let zbuffer = ZBuffer::new(screen.n_pixels());
-    splat::splat(layers, &screen, &zbuffer, progress)?;
+    splat::splat(layers, &screen, &zbuffer, image.candidates, progress)?;
     shade::shade(layers, &screen, &zbuffer, image, progress)
 }

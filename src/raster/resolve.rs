@@ -36,6 +36,7 @@ pub(super) struct Candidate<'a> {
     pub(super) layer: &'a Layer<'a>,
     pub(super) depth: f64,
     pub(super) normal: DVec3,
+    pub(super) certified: bool,
 }
 
 impl<'a> Voxels<'a> {
@@ -63,8 +64,10 @@ impl<'a> Voxels<'a> {
         // An empty layer shares its first identity with the next one, which is the owner.
         let owner = self.first_ids.partition_point(|&first| first <= hit.id) - 1;
         let layer = &self.layers[owner];
-        let normal = layer.storage.normal(hit.id - self.first_ids[owner]).decode();
-        Candidate { layer, depth: f64::from(hit.depth), normal }
+        let rank = hit.id - self.first_ids[owner];
+        let normal = layer.storage.normal(rank).decode();
+        let certified = layer.storage.is_certified(rank);
+        Candidate { layer, depth: f64::from(hit.depth), normal, certified }
     }
 }
 

@@ -58,6 +58,20 @@ pub struct ImageSettings {
     pub background: Option<[f32; 3]>,
     /// The scene's lights; the camera's own where there are none.
     pub lights: Vec<Light>,
+    /// What colours the surfaces have.
+    pub shade: Shade,
+    /// Whether voxels are drawn that are not certified.
+    pub candidates: bool,
+}
+
+/// What colours a surface has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shade {
+    /// Those of its material.
+    #[default]
+    Material,
+    /// Green where the surface provably passes through a voxel, red where that is not proven.
+    Status,
 }
 
 /// A light from far away: the same direction everywhere.

@@ -3,7 +3,11 @@
 use rayon::prelude::*;
 
 use super::{
-    Frame, ImageSettings, Layer, light::Lights, resolve::Voxels, screen::Screen, zbuffer::ZBuffer,
+    Frame, ImageSettings, Layer, Material, Shade,
+    light::Lights,
+    resolve::{Candidate, Voxels},
+    screen::Screen,
+    zbuffer::ZBuffer,
 };
 use crate::{Error, Result, progress::Progress};
 
@@ -38,7 +42,8 @@ pub(super) fn shade(
                 let (met, covered) = (zbuffer.met.get(pixel), zbuffer.covered.get(pixel));
                 if let Some(hit) = voxels.shown(&ray, met, covered) {
                     let point = screen.eye + ray.at(hit.depth);
-                    rgba[column] = lights.reflected(&hit.layer.material, hit.normal, &ray);
+                    let material = material(&hit, image.shade);
+                    rgba[column] = lights.reflected(&material, hit.normal, &ray);
                     depth[column] = hit.depth as f32;
                     normal[column] = hit.normal.as_vec3().to_array();
                     position[column] = point.as_vec3().to_array();
@@ -49,4 +54,19 @@ pub(super) fn shade(
         })?;
     progress.end();
     Ok(frame)
+}
+
+/// Green and red that differ in brightness too.
+const CERTIFIED: [f32; 3] = [0.15, 0.55, 0.2];
+const CANDIDATE: [f32; 3] = [0.75, 0.08, 0.04];
+
+/// What a hit looks like.
+fn material(hit: &Candidate<'_>, shade: Shade) -> Material {
+    match shade {
+        Shade::Material => hit.layer.material,
+        Shade::Status => {
+            let color = if hit.certified { CERTIFIED } else { CANDIDATE };
+            Material { color, back_color: color, ..hit.layer.material }
+        }
+    }
 }

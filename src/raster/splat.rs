@@ -38,16 +38,17 @@ const NEAR_VOXELS: f64 = 1e-3;
 const ROUNDING: f64 = 1e-14;
 
 /// Writes all voxels of `layers`. A voxel's identity is its rank plus the number of voxels in the
-/// layers before its own.
+/// layers before its own. Where `candidates` is false only certified voxels are written.
 pub(super) fn splat(
     layers: &[Layer<'_>],
     screen: &Screen,
     zbuffer: &ZBuffer,
+    candidates: bool,
     progress: &dyn Progress,
 ) -> Result<()> {
     let splatters: Vec<Splatter<'_>> = first_ids(layers)
         .zip(layers)
-        .map(|(first_id, layer)| Splatter::new(layer, first_id, screen, zbuffer))
+        .map(|(first_id, layer)| Splatter::new(layer, first_id, screen, zbuffer, candidates))
         .collect();
     let mut work: Vec<(f64, &Splatter<'_>, Part)> = splatters
         .iter()
@@ -88,6 +89,7 @@ struct Splatter<'a> {
     first_id: u32,
     screen: &'a Screen,
     zbuffer: &'a ZBuffer,
+    candidates: bool,
     /// Centres of the voxels along each axis, from the eye.
     centers: [Vec<f64>; 3],
     /// A voxel's half extents in picture axes.
@@ -98,7 +100,13 @@ struct Splatter<'a> {
 }
 
 impl<'a> Splatter<'a> {
-    fn new(layer: &'a Layer<'a>, first_id: u32, screen: &'a Screen, zbuffer: &'a ZBuffer) -> Self {
+    fn new(
+        layer: &'a Layer<'a>,
+        first_id: u32,
+        screen: &'a Screen,
+        zbuffer: &'a ZBuffer,
+        candidates: bool,
+    ) -> Self {
         let lattice = layer.lattice;
         let size = lattice.voxel_size();
         let bounds = lattice.bounds();
@@ -109,6 +117,7 @@ impl<'a> Splatter<'a> {
             first_id,
             screen,
             zbuffer,
+            candidates,
             centers: [0, 1, 2].map(|axis| centers(lattice, axis, screen.eye[axis])),
             extent: screen.extent(DVec3::splat(half)),
             half,
@@ -131,7 +140,9 @@ impl<'a> Splatter<'a> {
         let mut n_voxels = 0;
         self.layer.storage.visit(part, &mut |voxel| {
             n_voxels += 1;
-            self.voxel(voxel);
+            if self.candidates || voxel.certified {
+                self.voxel(voxel);
+            }
         });
         n_voxels
     }

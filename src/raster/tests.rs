@@ -14,7 +14,14 @@ use crate::{
 const WHITE: [f32; 3] = [0.8; 3];
 
 fn image(width: u32, height: u32) -> ImageSettings {
-    ImageSettings { width, height, background: None, lights: Vec::new() }
+    ImageSettings {
+        width,
+        height,
+        background: None,
+        lights: Vec::new(),
+        shade: Shade::Material,
+        candidates: true,
+    }
 }
 
 fn view(projection: Projection, placement: Placement) -> View {

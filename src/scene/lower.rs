@@ -17,13 +17,18 @@ use super::{
     formula::Formula,
     leaf::{Background, Color, Number, Numbers, Target, Whole},
     spanned::Spanned,
-    spec::{DomainSpec, ImageSpec, LightSpec, OutputSpec, SceneSpec, Section, VoxelsSpec},
+    spec::{
+        DomainSpec, ImageSpec, LightSpec, OutputSpec, SceneSpec, ScheduleSpec, Section, ShadeSpec,
+        StorageSpec, VoxelsSpec,
+    },
 };
 use crate::{
     diagnostic::{Diagnostic, Sources},
     expr::Definition,
     math::Aabb,
-    raster::ImageSettings,
+    octree::StorageKind,
+    raster::{ImageSettings, Shade},
+    voxelize::Schedule,
 };
 
 /// The largest `resolution`, in voxels along the longest axis.
@@ -79,6 +84,8 @@ impl<'a> Lower<'a> {
             surfaces: self.surfaces(&spec.surfaces, &clip),
             domain: self.domain(&spec.domain),
             resolution: self.resolution(&spec.voxels.spec),
+            storage: storage(&spec.voxels.spec),
+            schedule: schedule(&spec.voxels.spec),
             view: self.view(&spec.camera),
             image: self.image(&spec.image.spec, &spec.lights),
             outputs: self.outputs(name, &spec.output.spec),
@@ -153,6 +160,11 @@ impl<'a> Lower<'a> {
                 Background::Color(color) => Some(linear_from_srgb(color)),
             },
             lights: self.lights(lights),
+            shade: match spec.shade.unwrap_or_default() {
+                ShadeSpec::Material => Shade::Material,
+                ShadeSpec::Status => Shade::Status,
+            },
+            candidates: spec.candidates.unwrap_or(true),
         }
     }
 
@@ -250,5 +262,20 @@ impl<'a> Lower<'a> {
             );
         }
         vector
+    }
+}
+
+fn storage(spec: &VoxelsSpec) -> StorageKind {
+    match spec.storage.unwrap_or_default() {
+        StorageSpec::Octree => StorageKind::Morton,
+        StorageSpec::Pointer => StorageKind::Pointer,
+        StorageSpec::Dense => StorageKind::Dense,
+    }
+}
+
+fn schedule(spec: &VoxelsSpec) -> Schedule {
+    match spec.schedule.unwrap_or_default() {
+        ScheduleSpec::Stealing => Schedule::Stealing,
+        ScheduleSpec::MasterSlave => Schedule::MasterSlave,
     }
 }

@@ -30,7 +30,9 @@ use crate::{
     diagnostic::{Diagnostic, Sources},
     expr::Expr,
     math::Aabb,
+    octree::StorageKind,
     raster::{ImageSettings, Material, View},
+    voxelize::Schedule,
 };
 
 /// Everything a run needs to know, checked and with all defaults filled in.
@@ -44,6 +46,10 @@ pub struct Scene {
     pub domain: Option<Aabb>,
     /// Voxels along the domain's longest axis.
     pub resolution: u32,
+    /// What holds the voxels.
+    pub storage: StorageKind,
+    /// How work is shared out among threads.
+    pub schedule: Schedule,
     /// Where the picture is taken from.
     pub view: View,
     /// Size and background of the picture.

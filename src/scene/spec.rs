@@ -144,6 +144,35 @@ pub(super) struct VoxelsSpec {
     /// Voxels along the longest axis of the domain; 512 by default.
     #[schemars(range(min = 1, max = 16384))]
     pub(super) resolution: Option<Spanned<Whole>>,
+    /// What holds the voxels; the picture does not depend on it. "octree" by default.
+    pub(super) storage: Option<StorageSpec>,
+    /// How work is shared out among threads; the picture does not depend on it. "stealing" by
+    /// default.
+    pub(super) schedule: Option<ScheduleSpec>,
+}
+
+/// What holds the voxels.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum StorageSpec {
+    /// An octree without pointers, in Morton order.
+    #[default]
+    Octree,
+    /// The paper's octree of cells with pointers.
+    Pointer,
+    /// A grid of bits.
+    Dense,
+}
+
+/// How work is shared out among threads.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum ScheduleSpec {
+    /// Idle threads steal subtrees.
+    #[default]
+    Stealing,
+    /// A master hands out octants, as in the paper.
+    MasterSlave,
 }
 
 /// A lens, and a place that is fixed (`eye`, `target`) or fitted (`direction`,
@@ -219,6 +248,22 @@ pub(super) struct ImageSpec {
     pub(super) height: Option<Spanned<Whole>>,
     /// A colour or "transparent"; white by default.
     pub(super) background: Option<Background>,
+    /// What colours a surface has; "material" by default.
+    pub(super) shade: Option<ShadeSpec>,
+    /// Whether voxels are drawn of which it is not proven that the surface passes through; true by
+    /// default.
+    pub(super) candidates: Option<bool>,
+}
+
+/// What colours a surface has.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ShadeSpec {
+    /// Those of the scene.
+    #[default]
+    Material,
+    /// Green where the surface provably passes through a voxel, red where that is not proven.
+    Status,
 }
 
 /// The files: true, false or the name of a file below the output directory.

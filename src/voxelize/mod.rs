@@ -16,33 +16,32 @@ mod corners;
 mod node;
 mod normals;
 mod sampling;
+mod schedule;
 mod search;
 mod shortened;
 mod signs;
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicU64, Ordering},
-};
+use std::sync::Arc;
 
 use fearless_simd::{Simd, f32x16, f64x8};
 use fixedbitset::FixedBitSet;
-use rayon::prelude::*;
 
 pub use bounds::{Extent, find_extent};
 pub use sampling::{FieldRange, sample_field};
+pub use schedule::Schedule;
 pub use search::Effort;
 
 use crate::{
-    Error, Result,
+    Result,
     eval::BATCH,
     expr::{Expr, Tape},
     math::{Lanes, Lattice, SimdLevel, SimdTask},
-    octree::{LevelMasks, MortonOctree, NodeState},
-    progress::Progress,
+    octree::{LevelMasks, MortonOctree, NodeState, Storage as _},
+    progress::{Progress, Unwatched},
 };
 use corners::Corners;
-use search::{Run, Search, Subtree};
+use schedule::{Found, Watch};
+use search::{Run, Search};
 
 /// What voxelization found, and what it cost.
 #[derive(Clone, Debug)]
@@ -85,28 +84,66 @@ impl Precision {
     }
 }
 
-/// Finds all voxels of `lattice` that the surface of `expr` may meet. Uses the threads of the
-/// current rayon pool.
+/// How to voxelize; the voxels depend on none of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Instruction set.
+    pub simd: SimdLevel,
+    /// How work is shared out.
+    pub schedule: Schedule,
+    /// More voxels are an error.
+    pub max_voxels: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        let (simd, schedule) = (SimdLevel::detect(), Schedule::default());
+        Self { simd, schedule, max_voxels: u32::MAX }
+    }
+}
+
+/// Finds all voxels of `lattice` that the surface of `expr` may meet, with as many threads as the
+/// current rayon pool has.
 ///
 /// # Errors
-/// [`Error::Interrupted`] if `progress` says so; [`Error::Limit`] as soon as there are more than
-/// `max_voxels` voxels.
+/// [`crate::Error::Interrupted`] if `progress` says so; [`crate::Error::Limit`] as soon as there
+/// are too many voxels.
 pub fn voxelize(
     expr: &Expr,
     lattice: &Lattice,
-    simd: SimdLevel,
-    max_voxels: u32,
+    settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Voxelization> {
     let precision = Precision::for_lattice(lattice);
-    simd.run(Task { tape: expr.tape(), lattice, precision, max_voxels, progress })
+    settings.simd.run(Task { tape: expr.tape(), lattice, precision, settings, progress })
+}
+
+/// From this resolution on it pays to ask a coarse lattice first how many voxels there will be.
+const WORTH_ASKING: u32 = 1024;
+/// The resolution of that lattice, at most.
+const COARSE: u32 = 128;
+
+/// How many voxels of `lattice` the surface of `expr` is expected to meet: four times as many for
+/// each level as coarse voxels; 0 if the lattice is so small that finding them costs hardly more.
+///
+/// # Errors
+/// As [`voxelize`].
+pub fn expected_voxels(expr: &Expr, lattice: &Lattice, settings: &Settings) -> Result<u64> {
+    let resolution = lattice.n_voxels().into_iter().max().unwrap_or(1);
+    if resolution < WORTH_ASKING {
+        return Ok(0);
+    }
+    let levels = resolution.div_ceil(COARSE).next_power_of_two().ilog2();
+    let coarse = Lattice::new(lattice.bounds(), (resolution >> levels).max(1));
+    let found = voxelize(expr, &coarse, settings, &Unwatched)?;
+    Ok(u64::from(found.octree.voxel_count()) << (2 * levels))
 }
 
 struct Task<'a> {
     tape: Tape,
     lattice: &'a Lattice,
     precision: Precision,
-    max_voxels: u32,
+    settings: &'a Settings,
     progress: &'a dyn Progress,
 }
 
@@ -129,62 +166,31 @@ fn frontier_level(depth: u32) -> u32 {
 
 impl Task<'_> {
     fn search<S: Simd, L: Lanes<Token = S>, const G: usize>(self, simd: S) -> Result<Voxelization> {
-        let Self { tape, lattice, precision, max_voxels, progress } = self;
+        let Self { tape, lattice, precision, settings, progress } = self;
         let corners = Corners::<L::Scalar>::new(lattice);
         let new_search = || Search::<S, L, G>::new(simd, lattice, &corners);
+        let root = Run::root(Arc::new(tape));
         let frontier = frontier_level(lattice.depth());
-
-        let mut trunk = new_search();
-        let runs = trunk.descend(Run::root(Arc::new(tape)), frontier);
-        let tasks: Vec<Run> = runs.into_iter().flat_map(Run::into_single_nodes).collect();
-
-        progress.begin("voxelize", tasks.len() as u64, "subtrees");
-        let n_voxels = AtomicU64::new(0);
-        let subtrees: Result<Vec<Subtree>> = tasks
-            .into_par_iter()
-            .map_init(new_search, |search, run| {
-                if progress.is_cancelled() {
-                    return Err(Error::Interrupted);
-                }
-                let subtree = search.subtree(run, frontier);
-                progress.advance(1);
-                let found = subtree.normals.len() as u64;
-                let found = n_voxels.fetch_add(found, Ordering::Relaxed) + found;
-                if found > u64::from(max_voxels) {
-                    return Err(too_many(max_voxels));
-                }
-                Ok(subtree)
-            })
-            .collect();
-        let subtrees = subtrees?;
-        progress.end();
-
-        let mut effort = trunk.take_effort();
-        subtrees.iter().for_each(|subtree| effort.add(&subtree.effort));
-        let (mut octree, missing_normals) =
-            assemble(trunk.take_masks(), subtrees, frontier, lattice.depth());
+        let watch = Watch::new(progress, settings.max_voxels);
+        let found = match settings.schedule {
+            Schedule::Stealing => schedule::stealing(new_search, root, frontier, &watch),
+            Schedule::MasterSlave => {
+                let n_slaves = rayon::current_num_threads();
+                schedule::master_slave(new_search, root, frontier, n_slaves, &watch)
+            }
+        }?;
+        let effort = found.effort.clone();
+        let (mut octree, missing_normals) = assemble(found, frontier, lattice.depth());
         normals::fill_missing(&mut octree, &missing_normals, lattice);
         Ok(Voxelization { octree, effort, precision })
     }
 }
 
-fn too_many(max_voxels: u32) -> Error {
-    Error::Limit(format!(
-        "there are more than {max_voxels} voxels, which is what the memory holds; lower \
-         `resolution` in [voxels]"
-    ))
-}
-
 /// Joins the trunk and the subtrees in Morton order; also returns the ranks of the voxels that
 /// have no normal of their own.
-fn assemble(
-    mut trunk: Vec<LevelMasks>,
-    subtrees: Vec<Subtree>,
-    frontier: u32,
-    depth: u32,
-) -> (MortonOctree, Vec<u32>) {
+fn assemble(found: Found, frontier: u32, depth: u32) -> (MortonOctree, Vec<u32>) {
+    let Found { mut trunk, subtrees, .. } = found;
     let mut states: Vec<NodeState> = subtrees.iter().map(|subtree| subtree.root).collect();
-    trunk.truncate(frontier as usize);
     for level in trunk.iter_mut().rev() {
         states = level.settle(&states);
     }

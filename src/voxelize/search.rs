@@ -219,7 +219,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
 
     /// Divides the nodes of a run on `level` by the values of F: the surviving children, in runs
     /// that decided their choices alike.
-    fn divide(&mut self, run: Run, level: u32) -> Vec<Run> {
+    pub(super) fn divide(&mut self, run: Run, level: u32) -> Vec<Run> {
         let (families, groups) = self.test_values(&run, level);
         self.children(run, level, &families, groups)
     }

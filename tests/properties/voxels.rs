@@ -15,7 +15,7 @@ use zeroset::{
     math::{Aabb, Interval, Lattice, SimdLevel, SimdTask},
     octree::{Occupancy, Storage},
     progress::Unwatched,
-    voxelize::{Precision, Voxelization, voxelize},
+    voxelize::{Precision, Schedule, Settings, Voxelization, voxelize},
 };
 
 use crate::{
@@ -33,7 +33,7 @@ fn cube(half: f64, resolution: u32) -> Lattice {
 }
 
 fn run(expr: &Expr, lattice: &Lattice) -> Voxelization {
-    voxelize(expr, lattice, SimdLevel::detect(), u32::MAX, &Unwatched).unwrap()
+    voxelize(expr, lattice, &Settings::default(), &Unwatched).unwrap()
 }
 
 /// The blend of spheres of scene 1: ten balls, positive inside.
@@ -422,8 +422,14 @@ fn threads_and_levels_change_nothing() {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             same(&pool.install(|| run(expr, lattice)), &format!("{threads} threads"));
         }
+        for threads in [1, 2, 7] {
+            let settings = Settings { schedule: Schedule::MasterSlave, ..Settings::default() };
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let found = pool.install(|| voxelize(expr, lattice, &settings, &Unwatched)).unwrap();
+            same(&found, &format!("a master and {threads} slaves"));
+        }
         for level in SimdLevel::available() {
-            same(&voxelize(expr, lattice, level, u32::MAX, &Unwatched).unwrap(), level.name());
+            same(&voxelize(expr, lattice, &Settings { simd: level, ..Settings::default() }, &Unwatched).unwrap(), level.name());
         }
     }
 }

@@ -9,11 +9,11 @@ use std::{collections::BTreeSet, path::Path};
 
 use zeroset::{
     expr::Expr,
-    math::{Aabb, Lattice, SimdLevel},
+    math::{Aabb, Lattice},
     octree::{MortonOctree, Storage},
     progress::Unwatched,
     scene::{self, Scene},
-    voxelize,
+    voxelize::{Settings, voxelize},
 };
 
 /// A surface, its named parts, half the edge of its domain, and the symmetries that it must have.
@@ -197,7 +197,7 @@ fn lattice(surface: &Surface, resolution: u32) -> Lattice {
 }
 
 fn octree(expr: &Expr, lattice: &Lattice) -> MortonOctree {
-    voxelize(expr, lattice, SimdLevel::detect(), u32::MAX, &Unwatched).unwrap().octree
+    voxelize(expr, lattice, &Settings::default(), &Unwatched).unwrap().octree
 }
 
 fn voxels(surface: &Surface, resolution: u32) -> BTreeSet<[u32; 3]> {
