@@ -46,11 +46,24 @@ pub(crate) fn formula(data: &[u8]) {
     }
 }
 
-/// Reads a scene file.
+/// Reads a function graph.
+pub(crate) fn graph(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    match Expr::from_vm(text) {
+        Ok(expr) => assert!(expr.tape().n_slots() >= 3, "room for the coordinates"),
+        Err(mistakes) => {
+            assert!(!mistakes.is_empty(), "refused without a reason");
+            mistakes.iter().for_each(|mistake| check_span(text, &mistake.span));
+        }
+    }
+}
+
+/// Reads a scene file. It has no folder, so that no file that it names is opened.
 pub(crate) fn scene(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
     if let Err(rejection) = scene::parse(Path::new("fuzz.toml"), text) {
         assert!(!rejection.diagnostics.is_empty(), "refused without a reason");
+        assert!(rejection.sources.models.is_empty(), "a file was read");
         rejection.diagnostics.iter().for_each(|mistake| check_span(text, &mistake.span));
     }
 }

@@ -52,6 +52,8 @@ pub enum Origin {
     /// The file.
     #[default]
     File,
+    /// The model of this index.
+    Model(usize),
     /// The setting of this index.
     Setting(usize),
 }
@@ -63,8 +65,19 @@ pub struct Sources {
     pub path: PathBuf,
     /// Its text.
     pub text: String,
+    /// The files that it names.
+    pub models: Vec<Model>,
     /// What was set for this run, as `name=value`.
     pub settings: Vec<String>,
+}
+
+/// A file that a scene names.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Where it is: the scene's folder and what the scene calls it.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
 }
 
 impl Sources {
@@ -73,6 +86,10 @@ impl Sources {
     pub fn get(&self, origin: Origin) -> (Cow<'_, str>, &str) {
         match origin {
             Origin::File => (self.path.to_string_lossy(), &self.text),
+            Origin::Model(index) => match self.models.get(index) {
+                Some(model) => (model.path.to_string_lossy(), &model.text),
+                None => Default::default(),
+            },
             Origin::Setting(index) => {
                 (Cow::Borrowed("--set"), self.settings.get(index).map_or("", String::as_str))
             }

@@ -6,7 +6,7 @@
 //! | module | takes | gives |
 //! |---|---|---|
 //! | [`scene`] | a TOML file | a [`Scene`](scene::Scene), or every mistake in the file |
-//! | [`expr`] | the text of a formula | a [`Tape`](expr::Tape), a program over few slots |
+//! | [`expr`] | the text of a formula or a function graph | a [`Tape`](expr::Tape), a program over few slots |
 //! | [`eval`] | tapes and boxes or points | enclosures, values, gradients, many at a time |
 //! | [`voxelize()`] | a formula and a [`Lattice`](math::Lattice) | an octree of voxels with normals |
 //! | [`raster`] | octrees and a [`Camera`](raster::Camera) | a [`Frame`](raster::Frame) |

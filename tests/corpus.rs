@@ -30,3 +30,8 @@ fn formulas() {
 fn scenes() {
     for_each_file_of("scene", checks::scene);
 }
+
+#[test]
+fn graphs() {
+    for_each_file_of("graph", checks::graph);
+}

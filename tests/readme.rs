@@ -66,6 +66,12 @@ fn the_scene_with_names_renders_and_can_be_set() {
 }
 
 #[test]
+fn the_function_graph_is_a_surface() {
+    let graph = zeroset::expr::Expr::from_vm(&block("text", "var-x")).unwrap();
+    assert_eq!(graph.constant(), None);
+}
+
+#[test]
 fn every_key_is_in_the_table() {
     let schema = fs::read_to_string(root().join("configs/schema.json")).unwrap();
     let schema: Value = serde_json::from_str(&schema).unwrap();

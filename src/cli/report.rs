@@ -137,9 +137,12 @@ fn excerpts(
     let shown = diagnostics.iter().take(MAX_SHOWN);
     let mut texts: Vec<String> =
         shown.map(|mistake| excerpt(level, mistake, sources, renderer)).collect();
-    let n_hidden = diagnostics.len().saturating_sub(MAX_SHOWN);
-    if n_hidden > 0 {
-        let text = format!("{n_hidden} more in {}", sources.path.display());
+    let hidden = diagnostics.get(MAX_SHOWN..).unwrap_or_default();
+    if !hidden.is_empty() {
+        let mut names: Vec<_> =
+            hidden.iter().map(|mistake| sources.get(mistake.origin).0).collect();
+        names.dedup();
+        let text = format!("{} more in {}", hidden.len(), names.join(", "));
         texts.push(renderer.render(&[Group::with_title(level.clone().primary_title(&text))]));
     }
     texts.join("\n\n")
@@ -178,7 +181,7 @@ mod tests {
         let diagnostics: Vec<_> =
             spans.into_iter().map(|s| Diagnostic::new(s, "wrong").label("here")).collect();
         let sources =
-            Sources { path: "a.toml".into(), text: source.to_owned(), settings: Vec::new() };
+            Sources { path: "a.toml".into(), text: source.to_owned(), ..Sources::default() };
         excerpts(&Level::ERROR, &diagnostics, &sources, &Renderer::plain())
     }
 

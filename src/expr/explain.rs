@@ -98,7 +98,7 @@ pub(super) fn wrong_count(function: &Function, span: Range<usize>, found: usize)
 }
 
 /// The known word that was meant, if one is near: the same but for capitals, or a slip away.
-fn meant<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+pub(super) fn meant<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     if word.len() > MAX_WORD {
         return None;
     }

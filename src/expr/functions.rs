@@ -18,7 +18,7 @@ pub(super) struct Function {
 }
 
 /// How a call becomes part of a graph.
-enum Lower {
+pub(super) enum Lower {
     One(fn(&mut Graph, Id) -> Id),
     Two(fn(&mut Graph, Id, Id) -> Id),
     Three(fn(&mut Graph, Id, Id, Id) -> Id),
@@ -66,11 +66,17 @@ pub(super) fn exists(name: &str) -> bool {
     find(name).is_some()
 }
 
-const fn one(name: &'static str, f: fn(&mut Graph, Id) -> Id) -> Function {
+/// A function of one parameter.
+pub(super) const fn one(name: &'static str, f: fn(&mut Graph, Id) -> Id) -> Function {
     Function { name, parameters: &["a"], lower: Lower::One(f) }
 }
 
-const fn new(name: &'static str, parameters: &'static [&'static str], lower: Lower) -> Function {
+/// A function.
+pub(super) const fn new(
+    name: &'static str,
+    parameters: &'static [&'static str],
+    lower: Lower,
+) -> Function {
     Function { name, parameters, lower }
 }
 
@@ -128,7 +134,7 @@ fn logarithm(g: &mut Graph, a: Id, scale: f64) -> Id {
 }
 
 /// a − b⌊a/b⌋, which has the sign of b.
-fn remainder(g: &mut Graph, a: Id, b: Id) -> Id {
+pub(super) fn remainder(g: &mut Graph, a: Id, b: Id) -> Id {
     let quotient = g.div(a, b);
     let floor = g.unary(Unary::Step(Step::Floor), quotient);
     let whole = g.mul(b, floor);

@@ -147,7 +147,7 @@ const SIGNS: [(Kind, &str); 15] = [
 const MAX_QUOTE: usize = 40;
 
 /// `written` for a message, not too long.
-fn quoted(written: &str) -> Cow<'_, str> {
+pub(super) fn quoted(written: &str) -> Cow<'_, str> {
     match written.char_indices().nth(MAX_QUOTE) {
         None => written.into(),
         Some((end, _)) => format!("{}…", &written[..end]).into(),
@@ -212,15 +212,19 @@ fn number(rest: &str) -> Result<(Kind, usize), Diagnostic> {
     }
     match rest[..len].parse::<f64>() {
         Ok(value) if value.is_finite() => Ok((Kind::Number, len)),
-        Ok(_) => {
-            let message = format!("the number `{}` is too large", quoted(&rest[..len]));
-            Err(Diagnostic::new(0..len, message).label("above 1.7e308"))
-        }
+        Ok(_) => Err(too_large(&rest[..len])),
         Err(_) => Err(not_a_number(&rest[..len])),
     }
 }
 
-fn not_a_number(written: &str) -> Diagnostic {
+/// A number beyond f64.
+pub(super) fn too_large(written: &str) -> Diagnostic {
+    let message = format!("the number `{}` is too large", quoted(written));
+    Diagnostic::new(0..written.len(), message).label("above 1.7e308")
+}
+
+/// Something in place of a number.
+pub(super) fn not_a_number(written: &str) -> Diagnostic {
     Diagnostic::new(0..written.len(), format!("`{}` is not a number", quoted(written)))
         .label("not a decimal number")
         .help("a number has digits, at most one point and perhaps an exponent: 12, 0.5, 1e-3")

@@ -1,6 +1,6 @@
 //! From the text of a formula to a program: [`parse()`] gives an [`Ast`], [`Expr::resolve`] finds what
 //! its names mean, those that the scene defines included, and shares equal parts in a graph, and
-//! [`Expr::tape`] schedules the graph.
+//! [`Expr::tape`] schedules the graph. [`Expr::from_vm`] reads a graph that another program wrote.
 
 mod ast;
 mod definition;
@@ -16,6 +16,7 @@ mod symbols;
 mod syntax;
 mod tape;
 mod values;
+mod vm;
 
 pub use ast::{Ast, BinaryOp, Comparison, Node, NodeId};
 pub use definition::{Definition, DefinitionKind, Mistake};
@@ -24,7 +25,10 @@ pub use parse::parse;
 pub use resolve::{Relation, Resolved};
 pub use tape::{Choice, Instruction, Tape};
 
-use crate::math::{Binary, Constant, Unary};
+use crate::{
+    diagnostic::Diagnostic,
+    math::{Binary, Constant, Unary},
+};
 
 /// A formula with its names resolved and common parts shared.
 #[derive(Clone, Debug)]
@@ -50,6 +54,16 @@ impl Expr {
     /// with every formula. The list is empty only if the formula needs a definition whose tree is.
     pub fn resolve(ast: &Ast, definitions: &[Definition]) -> Result<Resolved, Vec<Mistake>> {
         resolve::resolve(ast, definitions)
+    }
+
+    /// Reads a function graph in the text format of libfive and Fidget (`.vm`): one operation a line,
+    /// `name operation operands`, of which the last one is the result. Constants are decimal numbers,
+    /// enclosed like those of a formula.
+    ///
+    /// # Errors
+    /// The first mistakes of the text, in the order of their places.
+    pub fn from_vm(text: &str) -> Result<Self, Vec<Diagnostic>> {
+        vm::read(text)
     }
 
     /// The blend of spheres of Stolte & Kaufman (1998, section 2), positive inside: the sum of

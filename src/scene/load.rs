@@ -1,8 +1,8 @@
 //! From a file to a [`Scene`].
 
-use std::{fs::File, io::Read, path::Path};
+use std::path::Path;
 
-use super::{Scene, lower::Lower, read::read};
+use super::{Scene, lower::Lower, read::read, text};
 use crate::{
     Error, Result,
     diagnostic::{Diagnostic, Rejection, Sources},
@@ -11,7 +11,7 @@ use crate::{
 /// The largest scene file.
 const MAX_BYTES: u64 = 4 << 20;
 
-/// Reads the scene in the file `path`.
+/// Reads the scene in the file `path`, and the files that it names, relative to its folder.
 ///
 /// # Errors
 /// The file cannot be read, is larger than 4 MiB, or does not hold a valid scene.
@@ -25,68 +25,62 @@ pub fn load(path: &Path) -> Result<Scene> {
 /// # Errors
 /// As [`load`]; also if a setting is malformed or sets what the scene does not have.
 pub fn load_with(path: &Path, settings: &[String]) -> Result<Scene> {
-    let bytes = read_bytes(path)?;
-    let source = String::from_utf8(bytes).map_err(|error| {
-        // Up to the first foreign byte the replacement text is the file's own.
-        let at = error.utf8_error().valid_up_to();
-        let source = String::from_utf8_lossy(error.as_bytes()).into_owned();
-        let width = char::REPLACEMENT_CHARACTER.len_utf8();
-        let diagnostic = Diagnostic::new(at..at + width, "the file is not text in UTF-8")
-            .label("this byte cannot stand here")
-            .help("save the file with the encoding UTF-8");
-        reject(sources(path, &source, settings), vec![diagnostic])
-    });
-    source
-        .and_then(|source| parse_with(path, &source, settings))
-        .map_err(|rejection| Error::Scene(Box::new(rejection)))
+    let (source, mistake) = text::decode(read_bytes(path)?);
+    let scene = match mistake {
+        None => parse_with(path, &source, settings, path.parent()),
+        Some(mistake) => {
+            let sources = Sources { path: path.to_owned(), text: source, ..Sources::default() };
+            Err(reject(sources, vec![mistake]))
+        }
+    };
+    scene.map_err(|rejection| Error::Scene(Box::new(rejection)))
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     let failed = |source| Error::Io { action: "read", path: path.to_owned(), source };
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(failed)?;
-    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > MAX_BYTES {
+    text::read(path, MAX_BYTES).map_err(failed)?.ok_or_else(|| {
         let limit = MAX_BYTES >> 20;
-        return Err(Error::Limit(format!(
-            "the file is larger than {limit} MiB: this is no scene file"
-        )));
-    }
-    Ok(bytes)
+        Error::Limit(format!("the file is larger than {limit} MiB: this is no scene file"))
+    })
 }
 
-/// Makes a scene of the text `source` of the file `path`, which gives it its name.
+/// Makes a scene of the text `source` of the file `path`, which gives it its name. Nothing is read
+/// from disk: a surface that names a file is a mistake here.
 ///
 /// # Errors
 /// All mistakes that were found, in the order of their places.
 pub fn parse(path: &Path, source: &str) -> std::result::Result<Scene, Rejection> {
-    parse_with(path, source, &[])
+    parse_with(path, source, &[], None)
 }
 
-/// As [`parse`], with parameters set to other values as in [`load_with`].
+/// As [`parse`], with parameters set to other values as in [`load_with`]. The files that surfaces
+/// name are read, relative names from `folder`, if there is one.
 ///
 /// # Errors
-/// All mistakes that were found: those of the file in the order of their places, then those of
-/// the settings.
+/// All mistakes that were found: those of the file in the order of their places, then those of the
+/// files that it names, then those of the settings.
 pub fn parse_with(
     path: &Path,
     source: &str,
     settings: &[String],
+    folder: Option<&Path>,
 ) -> std::result::Result<Scene, Rejection> {
     let mut errors = Vec::new();
     let name = path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
-    let sources = sources(path, source, settings);
+    let mut sources = Sources {
+        path: path.to_owned(),
+        text: source.to_owned(),
+        settings: settings.to_vec(),
+        models: Vec::new(),
+    };
     let Some(spec) = read(source, &mut errors) else { return Err(reject(sources, errors)) };
-    let mut lower = Lower::new(source, settings, errors);
+    let mut lower = Lower::new(source, settings, folder, errors);
     let scene = lower.scene(&name, &spec);
+    sources.models = lower.models.into_iter().map(|(model, _)| model).collect();
     match lower.errors.is_empty() {
         true => Ok(Scene { sources, warnings: in_order(lower.warnings), ..scene }),
         false => Err(reject(sources, lower.errors)),
     }
-}
-
-fn sources(path: &Path, text: &str, settings: &[String]) -> Sources {
-    Sources { path: path.to_owned(), text: text.to_owned(), settings: settings.to_vec() }
 }
 
 fn reject(sources: Sources, diagnostics: Vec<Diagnostic>) -> Rejection {

@@ -23,8 +23,8 @@ use super::{
     },
 };
 use crate::{
-    diagnostic::{Diagnostic, Sources},
-    expr::Definition,
+    diagnostic::{Diagnostic, Model, Sources},
+    expr::{Definition, Expr},
     math::Aabb,
     octree::StorageKind,
     raster::{ImageSettings, Shade},
@@ -50,6 +50,8 @@ pub(super) struct Lower<'a> {
     pub(super) source: &'a str,
     /// What was set for this run, as `name=value`.
     pub(super) settings: &'a [String],
+    /// Where the files are that surfaces name.
+    pub(super) folder: Option<&'a Path>,
     pub(super) errors: Vec<Diagnostic>,
     /// What is perhaps not meant.
     pub(super) warnings: Vec<Diagnostic>,
@@ -59,19 +61,28 @@ pub(super) struct Lower<'a> {
     pub(super) formulas: Vec<Formula>,
     /// Mistakes of definitions that were noted: index, place, message.
     pub(super) noted: HashSet<(usize, usize, String)>,
+    /// The files that were read, with what they mean, unless something is wrong with them.
+    pub(super) models: Vec<(Model, Option<Expr>)>,
 }
 
 impl<'a> Lower<'a> {
     /// Goes on after the mistakes that were found while the file was read.
-    pub(super) fn new(source: &'a str, settings: &'a [String], errors: Vec<Diagnostic>) -> Self {
+    pub(super) fn new(
+        source: &'a str,
+        settings: &'a [String],
+        folder: Option<&'a Path>,
+        errors: Vec<Diagnostic>,
+    ) -> Self {
         Self {
             source,
             settings,
+            folder,
             errors,
             warnings: Vec::new(),
             definitions: Vec::new(),
             formulas: Vec::new(),
             noted: HashSet::new(),
+            models: Vec::new(),
         }
     }
 

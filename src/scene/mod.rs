@@ -11,11 +11,13 @@ mod leaf_schema;
 mod light;
 mod load;
 mod lower;
+mod model;
 mod read;
 mod schema;
 mod spanned;
 mod spec;
 mod surface;
+mod text;
 
 #[cfg(test)]
 mod tests;

@@ -72,7 +72,7 @@ impl<T: JsonSchema> JsonSchema for Section<T> {
     }
 }
 
-/// What is drawn, either `f` or `blend`.
+/// What is drawn: one of `f`, `blend` and `file`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SurfaceSpec {
@@ -82,8 +82,11 @@ pub(super) struct SurfaceSpec {
     pub(super) f: Option<Spanned<String>>,
     /// A blend of spheres.
     pub(super) blend: Option<Spanned<Table<BlendSpec>>>,
-    /// The sign of F inside: negative by default for `f`, positive for `blend`; a comparison says
-    /// itself what is inside.
+    /// A function graph in the text format of libfive and Fidget: the file `NAME.vm`, relative to
+    /// the folder of the scene.
+    pub(super) file: Option<Spanned<String>>,
+    /// The sign of F inside: negative by default for `f` and `file`, positive for `blend`; a
+    /// comparison says itself what is inside.
     pub(super) inside: Option<Spanned<Inside>>,
     /// What is kept, as an inequality; the cuts are open. `clip` of `[domain]` applies as well.
     pub(super) clip: Option<Spanned<String>>,

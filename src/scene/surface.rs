@@ -1,4 +1,6 @@
-//! Surfaces: formulas and blends of spheres with what they look like.
+//! Surfaces: formulas, blends of spheres and models with what they look like.
+
+use std::ops::Range;
 
 use super::{
     Surface,
@@ -60,8 +62,8 @@ impl Lower<'_> {
     /// F, negative inside.
     fn expr(&mut self, section: &Section<SurfaceSpec>) -> Option<Expr> {
         let spec = &section.spec;
-        match (&spec.f, &spec.blend) {
-            (Some(f), None) => {
+        match (&spec.f, &spec.blend, &spec.file) {
+            (Some(f), None, None) => {
                 let formula = self.formula(f);
                 let resolved = self.resolve(&formula)?;
                 if resolved.relation == Relation::Solid {
@@ -70,27 +72,39 @@ impl Lower<'_> {
                 }
                 Some(turned(resolved.expr, spec, Inside::Negative))
             }
-            (None, Some(blend)) => {
+            (None, Some(blend), None) => {
                 Some(turned(self.blend(&blend.get_ref().0), spec, Inside::Positive))
             }
-            (Some(_), Some(blend)) => {
-                self.errors.push(
-                    Diagnostic::new(blend.span(), "a surface is given twice")
-                        .label("it has a formula `f` as well")
-                        .help("write a second [[surface]] for the blend"),
-                );
-                None
-            }
-            (None, None) if section.is_damaged => None,
-            (None, None) => {
+            (None, None, Some(file)) => Some(turned(self.model(file)?, spec, Inside::Negative)),
+            (None, None, None) if section.is_damaged => None,
+            (None, None, None) => {
                 self.errors.push(
                     Diagnostic::new(section.span.clone(), "the surface has no formula")
-                        .label("neither `f` nor `blend`")
+                        .label("none of `f`, `blend` and `file`")
                         .help("add a formula, as in f = \"x^2 + y^2 + z^2 = 1\""),
                 );
                 None
             }
+            (f, blend, file) => {
+                let f = f.as_ref().map(|f| ("f", f.span()));
+                let blend = blend.as_ref().map(|blend| ("blend", blend.span()));
+                let file = file.as_ref().map(|file| ("file", file.span()));
+                self.given_twice(f.into_iter().chain(blend).chain(file).collect());
+                None
+            }
         }
+    }
+
+    /// Several of the keys that give a surface; the last of them is marked.
+    fn given_twice(&mut self, mut keys: Vec<(&str, Range<usize>)>) {
+        keys.sort_by_key(|(_, span)| span.start);
+        let Some((last, span)) = keys.pop() else { return };
+        let others: Vec<String> = keys.iter().map(|(key, _)| format!("`{key}`")).collect();
+        self.errors.push(
+            Diagnostic::new(span, "a surface is given twice")
+                .label(format!("it has {} as well", others.join(" and ")))
+                .help(format!("write a second [[surface]] for `{last}`")),
+        );
     }
 
     /// A comparison needs no `inside`, and would contradict it half of the time.

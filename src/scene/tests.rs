@@ -128,7 +128,7 @@ const PARAMS: &str = "version = 1\n[params]\na = 1\nb = 'a/2'\n[let]\nq = 'x^2 +
 /// The complaints about `settings`, with the texts that they mark.
 fn refused(settings: &[&str]) -> Vec<(String, String)> {
     let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
-    let rejection = parse_with(Path::new("a.toml"), PARAMS, &settings).unwrap_err();
+    let rejection = parse_with(Path::new("a.toml"), PARAMS, &settings, None).unwrap_err();
     let sources = rejection.sources;
     let marked = |mistake: Diagnostic| {
         let (_, text) = sources.get(mistake.origin);
@@ -141,7 +141,7 @@ fn refused(settings: &[&str]) -> Vec<(String, String)> {
 fn settings_take_the_place_of_parameters() {
     let tape = |settings: &[&str]| {
         let settings: Vec<String> = settings.iter().map(|&setting| setting.to_owned()).collect();
-        let scene = parse_with(Path::new("a.toml"), PARAMS, &settings).unwrap();
+        let scene = parse_with(Path::new("a.toml"), PARAMS, &settings, None).unwrap();
         format!("{:?}", scene.surfaces[1].expr.tape())
     };
     assert_eq!(tape(&[]), tape(&["a=1"]));
@@ -204,6 +204,69 @@ fn files_too_large_to_be_scenes_are_not_read() {
     assert!(matches!(&error, Error::Limit(text) if text.contains("larger than 4 MiB")), "{error}");
 }
 
+/// A folder with the model `file` and what a scene in it with this model says.
+fn with_model(file: &str, text: &[u8]) -> (tempfile::TempDir, Result<Scene, Error>) {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join(file), text).unwrap();
+    let path = folder.path().join("a.toml");
+    std::fs::write(&path, format!("version = 1\n[[surface]]\nfile = '{file}'\n")).unwrap();
+    let scene = load(&path);
+    (folder, scene)
+}
+
+#[test]
+fn models_lie_beside_the_scene() {
+    let (folder, scene) = with_model("x.vm", b"_x var-x\n_1 const 1\n_ sub _x _1");
+    let expr = scene.unwrap().surfaces.remove(0).expr;
+    let text = "version = 1\n[[surface]]\nf = 'x - 1'\n[[surface]]\nfile = 'x.vm'\n\
+                [[surface]]\nfile = 'x.vm'\ninside = 'positive'\n[[surface]]\nf = '1 - x'\n";
+    let scene = parse_with(Path::new("b.toml"), text, &[], Some(folder.path())).unwrap();
+    let program = |expr: &Expr| format!("{:?}", expr.tape().instructions());
+    let programs: Vec<String> = scene.surfaces.iter().map(|s| program(&s.expr)).collect();
+    assert_eq!(programs[0], programs[1]);
+    assert_eq!(programs[1], program(&expr));
+    assert_ne!(programs[1], programs[2]);
+    assert_eq!(scene.sources.models.len(), 1, "read once");
+}
+
+#[test]
+fn a_text_without_a_folder_opens_no_file() {
+    let text = "version = 1\n[[surface]]\nfile = 'Cargo.vm'\n[[surface]]\nfile = '/dev/zero'\n";
+    let expected = ["a scene without a folder names a file", "the name must end in `.vm`"];
+    assert_eq!(mistakes(text), expected);
+}
+
+#[test]
+fn mistakes_of_models_belong_to_them() {
+    let (_folder, scene) = with_model("x.vm", b"_x var-q");
+    let Err(Error::Scene(rejection)) = scene else { panic!("{scene:?}") };
+    let mistake = &rejection.diagnostics[0];
+    assert_eq!(mistake.origin, Origin::Model(0));
+    let (name, text) = rejection.sources.get(mistake.origin);
+    assert!(name.ends_with("x.vm") && &text[mistake.span.clone()] == "var-q", "{name}");
+}
+
+#[test]
+fn models_too_large_are_not_read() {
+    let (folder, scene) = with_model("x.vm", b"_x var-x");
+    assert!(scene.is_ok());
+    let model = |name: &str, mib: u64| {
+        let file = std::fs::File::create(folder.path().join(name)).unwrap();
+        file.set_len(mib << 20).unwrap();
+    };
+    model("a.vm", 9);
+    model("b.vm", 9);
+    model("c.vm", 1 << 20);
+    let said = |text: &str| {
+        let text = format!("version = 1\n{text}");
+        let scene = parse_with(Path::new("a.toml"), &text, &[], Some(folder.path()));
+        scene.unwrap_err().diagnostics.into_iter().map(|m| m.message).collect::<Vec<_>>()
+    };
+    assert!(said("[[surface]]\nfile = 'c.vm'\n")[0].ends_with("c.vm: it is too large"));
+    let both = said("[[surface]]\nfile = 'a.vm'\n[[surface]]\nfile = 'b.vm'\n");
+    assert!(both[0].ends_with("b.vm: it is too large"), "{both:?}");
+}
+
 proptest! {
     #[test]
     fn soup_gives_an_answer_with_spans_in_the_text(
@@ -218,6 +281,7 @@ proptest! {
 |a = "b"
 |b = "2*a"
 |clip = "x < a"
+|file = "b.vm"
 |f = "x"
 |f|eye|up|color|width|png|[0-9]|nan|inf|=|=|"|'|\{|\}|\[|\]|,|\.|-|é| |
 ){0,60}"#,
@@ -233,7 +297,7 @@ proptest! {
     #[test]
     fn settings_give_an_answer_with_spans_in_them(setting in "[ab= x+(1é\"-]{0,12}") {
         let settings = [setting];
-        if let Err(rejection) = parse_with(Path::new("a.toml"), PARAMS, &settings) {
+        if let Err(rejection) = parse_with(Path::new("a.toml"), PARAMS, &settings, None) {
             for mistake in &rejection.diagnostics {
                 let (_, text) = rejection.sources.get(mistake.origin);
                 prop_assert!(text.get(mistake.span.clone()).is_some(), "{mistake:?}");
