@@ -29,7 +29,8 @@ impl Memory {
     /// As many bytes as given, or three quarters of the machine's.
     #[must_use]
     pub fn new(max_bytes: Option<u64>) -> Self {
-        let of_machine = || Some((1024.0 * SHARE * kibibytes("/proc/meminfo", "MemTotal:")? as f64) as u64);
+        let of_machine =
+            || Some((1024.0 * SHARE * kibibytes("/proc/meminfo", "MemTotal:")? as f64) as u64);
         Self { bytes: max_bytes.or_else(of_machine) }
     }
 
@@ -97,7 +98,12 @@ impl Memory {
 
     /// How many voxels fit beside a picture, at most what 32 bits count.
     #[must_use]
-    pub fn max_voxels(&self, lattice: &Lattice, storage: StorageKind, image: &ImageSettings) -> u32 {
+    pub fn max_voxels(
+        &self,
+        lattice: &Lattice,
+        storage: StorageKind,
+        image: &ImageSettings,
+    ) -> u32 {
         let room = self.room(image).saturating_sub(grid_bytes(storage, lattice.depth()));
         u32::try_from(room / bytes_per_voxel(storage)).unwrap_or(u32::MAX)
     }
@@ -174,7 +180,8 @@ mod tests {
     fn a_resolution_that_fits_is_named() {
         let lattice = Lattice::new(Aabb { min: DVec3::NEG_ONE, max: DVec3::ONE }, 1024);
         let memory = Memory::new(Some(100 << 20));
-        let check = |n_voxels, storage| memory.check_voxels(n_voxels, &lattice, storage, &image(64));
+        let check =
+            |n_voxels, storage| memory.check_voxels(n_voxels, &lattice, storage, &image(64));
         assert!(check(9_000_000, StorageKind::Morton).is_ok());
         let error = check(40_000_000, StorageKind::Morton).unwrap_err().to_string();
         assert!(error.contains("resolution 490 would fit"), "{error}");

@@ -82,9 +82,10 @@ fn pool(n_threads: usize) -> Result<rayon::ThreadPool> {
 
 fn find_all(scene: &Scene, lattice: &Lattice) -> Result<()> {
     let settings = Settings { schedule: scene.schedule, ..Settings::default() };
-    scene.surfaces.iter().try_for_each(|surface| {
-        voxelize(&surface.expr, lattice, &settings, &Unwatched).map(drop)
-    })
+    scene
+        .surfaces
+        .iter()
+        .try_for_each(|surface| voxelize(&surface.expr, lattice, &settings, &Unwatched).map(drop))
 }
 
 /// Does `work` in `n` pools of one thread each, all at once.
@@ -92,9 +93,8 @@ fn side_by_side(n: usize, work: impl Fn() -> Result<()> + Sync) -> Result<()> {
     let pools = (0..n).map(|_| pool(1)).collect::<Result<Vec<_>>>()?;
     std::thread::scope(|scope| {
         let runs: Vec<_> = pools.iter().map(|pool| scope.spawn(|| pool.install(&work))).collect();
-        runs.into_iter().try_for_each(|run| {
-            run.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-        })
+        runs.into_iter()
+            .try_for_each(|run| run.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
     })
 }
 

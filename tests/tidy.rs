@@ -43,16 +43,7 @@ const MAY_USE: [(&str, &[&str]); 17] = [
     ("yields", &["math", "progress", "scene", "voxelize"]),
     (
         "cli",
-        &[
-            "diagnostic",
-            "math",
-            "output",
-            "pipeline",
-            "progress",
-            "scene",
-            "statistics",
-            "yields",
-        ],
+        &["diagnostic", "math", "output", "pipeline", "progress", "scene", "statistics", "yields"],
     ),
 ];
 

@@ -107,12 +107,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> BoxEvaluator<L, G> {
     }
 
     /// The ranges of F over the first `n` boxes; the others mean nothing.
-    pub fn ranges(
-        &mut self,
-        tape: &Tape,
-        boxes: &Boxes<L::Scalar>,
-        n: usize,
-    ) -> Ranges<L::Scalar> {
+    pub fn ranges(&mut self, tape: &Tape, boxes: &Boxes<L::Scalar>, n: usize) -> Ranges<L::Scalar> {
         let Self { token, machine, .. } = self;
         let mut ranges =
             Ranges { lo: [L::Scalar::default(); BATCH], hi: [L::Scalar::default(); BATCH] };

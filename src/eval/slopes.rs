@@ -16,7 +16,7 @@ use crate::{
 pub struct SlopeVerdict {
     /// What [`BoxEvaluator::eval`] says, sharpened by the mean value form.
     pub verdict: Verdict,
-    /// The surface passes through: F is continuous, and has both signs in the box.
+    /// The surface passes through: F is continuous and has both signs in the box.
     pub crossed: u64,
     /// F is continuous and does not fall along x, y or z.
     pub rising: [u64; 3],
@@ -31,6 +31,8 @@ pub struct SlopeEvaluator<L: Lanes, const G: usize> {
     /// Where F is least and largest; see [`MeanValue`].
     low: Boxes<L::Scalar>,
     high: Boxes<L::Scalar>,
+    /// The largest slope along each axis.
+    steepest: [[L::Scalar; BATCH]; 3],
 }
 
 impl<S: Simd, L: Lanes<Token = S>, const G: usize> SlopeEvaluator<L, G> {
@@ -38,20 +40,23 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> SlopeEvaluator<L, G> {
     pub fn new(token: S) -> Self {
         const { assert!(G * L::LEN == BATCH, "the vectors of a slot hold one batch") };
         let (low, high) = (Boxes::default(), Boxes::default());
-        Self { token, machine: Machine::default(), low, high }
+        let steepest = [[L::Scalar::default(); BATCH]; 3];
+        Self { token, machine: Machine::default(), low, high, steepest }
     }
 
     /// Evaluates the value and the gradient of `tape` over the first `n` boxes, and, with `values`,
-    /// the value at two points of each.
+    /// the value at two points of each. The bounds of each box lie between those of `outer` and
+    /// `inner`, which are the same where the type holds them.
     pub fn eval(
         &mut self,
         values: &mut BoxEvaluator<L, G>,
         tape: &Tape,
-        boxes: &Boxes<L::Scalar>,
+        outer: &Boxes<L::Scalar>,
+        inner: &Boxes<L::Scalar>,
         n: usize,
     ) -> SlopeVerdict {
         let mut spread = [L::Scalar::default(); BATCH];
-        let mut found = self.gradients(tape, boxes, n, &mut spread);
+        let mut found = self.gradients(tape, outer, inner, n, &mut spread);
         let low = values.ranges(tape, &self.low, n);
         let high = values.ranges(tape, &self.high, n);
         let zero = L::Scalar::default();
@@ -69,19 +74,26 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> SlopeEvaluator<L, G> {
         found
     }
 
+    /// The largest absolute slopes over a box of the last batch; bounds, and +∞ if unknown.
+    pub fn steepest(&self, lane: usize) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.steepest[axis][lane].to_f64())
+    }
+
     fn gradients(
         &mut self,
         tape: &Tape,
-        boxes: &Boxes<L::Scalar>,
+        outer: &Boxes<L::Scalar>,
+        inner: &Boxes<L::Scalar>,
         n: usize,
         spread: &mut [L::Scalar; BATCH],
     ) -> SlopeVerdict {
-        let Self { token, machine, low, high } = self;
+        let Self { token, machine, low, high, steepest } = self;
         token.vectorize(
             #[inline(always)]
             || {
                 let n_vectors = n.div_ceil(L::LEN);
-                let bounds = load::<L, G>(*token, boxes);
+                let bounds = load::<L, G>(*token, outer);
+                let within = load::<L, G>(*token, inner);
                 let mut inputs = [[Dual::constant(*token, &Constant::exact(0.0)); G]; 3];
                 for axis in 0..3 {
                     for g in 0..G {
@@ -105,25 +117,27 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> SlopeEvaluator<L, G> {
                 for g in 0..n_vectors {
                     let first = g * L::LEN;
                     let of_box = [bounds[0][g], bounds[1][g], bounds[2][g]];
+                    let within = [within[0][g], within[1][g], within[2][g]];
                     let mut gradient = result[g].gradient;
                     for axis in 0..3 {
                         if !tape.depends_on(axis) {
                             gradient[axis] = Interval::point(of_box[0].lo.same(0.0));
                         }
                     }
-                    let form = MeanValue::new(&of_box, &gradient);
+                    let form = MeanValue::new(&of_box, &within, &gradient);
                     form.spread.store(&mut spread[first..]);
                     for axis in 0..3 {
-                        form.low[axis].store(&mut low.lo[axis][first..]);
-                        form.high[axis].store(&mut high.lo[axis][first..]);
+                        form.low[axis].lo.store(&mut low.lo[axis][first..]);
+                        form.low[axis].hi.store(&mut low.hi[axis][first..]);
+                        form.high[axis].lo.store(&mut high.lo[axis][first..]);
+                        form.high[axis].hi.store(&mut high.hi[axis][first..]);
+                        gradient[axis].magnitudes().1.store(&mut steepest[axis][first..]);
                         let of_axis = [form.rising[axis].bits(), form.falling[axis].bits()];
                         let [rising, falling] = of_axis.map(|bits| bits << first);
                         found.rising[axis] |= rising & verdict.continuous;
                         found.falling[axis] |= falling & verdict.continuous;
                     }
                 }
-                low.hi = low.lo;
-                high.hi = high.lo;
                 found
             },
         )

@@ -24,10 +24,10 @@ use super::{
 
 /// Bounds of F on a box in terms of its values at two points; see the file's text.
 pub struct MeanValue<L: Lanes> {
-    /// Where F is least, but for the spread.
-    pub low: [L; 3],
-    /// Where F is largest, but for the spread.
-    pub high: [L; 3],
+    /// Around where F is least, but for the spread.
+    pub low: [Interval<L>; 3],
+    /// Around where F is largest, but for the spread.
+    pub high: [Interval<L>; 3],
     /// How far F may leave the values at those points; +∞ if nothing is known.
     pub spread: L,
     /// The lanes where F does not fall along an axis.
@@ -37,30 +37,39 @@ pub struct MeanValue<L: Lanes> {
 }
 
 impl<L: Lanes> MeanValue<L> {
-    /// The form over `bounds`, a box on which the gradient lies in `gradient`.
+    /// The form over a box on which the gradient lies in `gradient`. The bounds of the box lie
+    /// between those of `outer` and of `inner`; `low` and `high` are intervals that hold points
+    /// of the box.
     #[inline(always)]
-    pub fn new(bounds: &[Interval<L>; 3], gradient: &[Interval<L>; 3]) -> Self {
-        let zero = bounds[0].lo.same(0.0);
+    pub fn new(
+        outer: &[Interval<L>; 3],
+        inner: &[Interval<L>; 3],
+        gradient: &[Interval<L>; 3],
+    ) -> Self {
+        let zero = outer[0].lo.same(0.0);
         let none = L::splat_mask(zero.token(), false);
-        let mut form = Self {
-            low: [zero; 3],
-            high: [zero; 3],
-            spread: zero,
-            rising: [none; 3],
-            falling: [none; 3],
-        };
+        let mut form =
+            Self { low: *outer, high: *outer, spread: zero, rising: [none; 3], falling: [none; 3] };
         for axis in 0..3 {
-            let (x, slope) = (bounds[axis], gradient[axis]);
+            let (x, slope) = (outer[axis], gradient[axis]);
             let (rising, falling) = (zero.le(slope.lo), slope.hi.le(zero));
             let middle = (x.lo + (x.hi - x.lo) * x.lo.same(0.5)).max(x.lo).min(x.hi);
             let half = round_up((x.hi - middle).max(middle - x.lo));
             let departure = round_up(slope.magnitudes().1 * half);
             let departure = L::pick(rising | falling, zero, departure);
             form.spread = round_up(form.spread + departure);
-            form.low[axis] = L::pick(rising, x.lo, L::pick(falling, x.hi, middle));
-            form.high[axis] = L::pick(rising, x.hi, L::pick(falling, x.lo, middle));
+            let first = Interval { lo: x.lo, hi: inner[axis].lo };
+            let last = Interval { lo: inner[axis].hi, hi: x.hi };
+            let middle = Interval::point(middle);
+            form.low[axis] = pick(rising, first, pick(falling, last, middle));
+            form.high[axis] = pick(rising, last, pick(falling, first, middle));
             (form.rising[axis], form.falling[axis]) = (rising, falling);
         }
         form
     }
+}
+
+#[inline(always)]
+fn pick<L: Lanes>(mask: L::Mask, yes: Interval<L>, no: Interval<L>) -> Interval<L> {
+    Interval { lo: L::pick(mask, yes.lo, no.lo), hi: L::pick(mask, yes.hi, no.hi) }
 }

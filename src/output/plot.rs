@@ -50,7 +50,9 @@ fn draw(plot: &Plot, svg: &mut String) -> Result<(), Box<dyn std::error::Error>>
     chart.configure_mesh().x_desc(&plot.x_label).y_desc(&plot.y_label).draw()?;
     for ((name, points), color) in plot.lines.iter().zip(COLORS.into_iter().cycle()) {
         chart
-            .draw_series(LineSeries::new(points.iter().copied(), color.stroke_width(2)).point_size(3))?
+            .draw_series(
+                LineSeries::new(points.iter().copied(), color.stroke_width(2)).point_size(3),
+            )?
             .label(name)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2)));
     }

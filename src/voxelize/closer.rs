@@ -1,30 +1,19 @@
 //! A closer look at voxels of which it is not known whether the surface meets them.
 //!
-//! They are searched in f64, first whole, then in parts of half, a quarter and an eighth of their
-//! edge, and only to decide about the voxel: one part that the surface provably passes through
-//! certifies it, and if no part is left the voxel is dropped. What is still open then is kept as a
-//! candidate: a tangency, a singular point, a jump.
+//! They are searched in f64, in parts of half, a quarter and an eighth of their edge, and only to
+//! decide about the voxel: one part that the surface provably passes through certifies it, and if no
+//! part is left the voxel is dropped. What is still open then is kept as a candidate: a tangency, a
+//! singular point, a jump. Voxels in which F is monotone are looked at whole first: of them only a
+//! corner's sign was too close to tell.
 
 use fearless_simd::{Simd, f64x8};
 
+use super::node::Finding;
 use crate::{
     eval::{BATCH, BoxEvaluator, Boxes, SlopeEvaluator},
     expr::Tape,
     math::Lattice,
 };
-
-/// What a closer look found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Finding {
-    /// Not decided.
-    Candidate,
-    /// The surface provably passes through.
-    Certified,
-    /// No surface, and F > 0 or undefined.
-    Empty,
-    /// No surface, and F < 0 where it is defined.
-    Inside,
-}
 
 /// How often a voxel is halved.
 const MAX_HALVINGS: u32 = 3;
@@ -76,17 +65,21 @@ impl<'a, S: Simd> CloserLook<'a, S> {
         }
     }
 
-    /// What is found in each of `voxels`. Adds the gradients that it takes to `n_gradients`.
+    /// What is found in each of `voxels`, of which is told whether F has a trend there. Adds the
+    /// gradients that it takes to `n_gradients`.
     pub(super) fn look(
         &mut self,
         tape: &Tape,
-        voxels: &[[u32; 3]],
+        voxels: &[([u32; 3], bool)],
         n_gradients: &mut u64,
     ) -> Vec<Finding> {
         let mut findings = vec![Finding::Empty; voxels.len()];
-        let mut parts: Vec<Part> =
-            (0..).zip(voxels).map(|(voxel, &ijk)| self.whole(voxel, ijk)).collect();
-        for halvings in 0.. {
+        let mut parts = Vec::new();
+        for (voxel, &(ijk, has_trend)) in voxels.iter().enumerate() {
+            let whole = self.whole(voxel, ijk);
+            if has_trend { parts.push(whole) } else { parts.extend(whole.halves()) }
+        }
+        for halvings in 1.. {
             *n_gradients += parts.len() as u64;
             let mut left = self.survivors(tape, &parts, &mut findings);
             left.retain(|part| findings[part.voxel] != Finding::Certified);
@@ -121,7 +114,10 @@ impl<'a, S: Simd> CloserLook<'a, S> {
                     self.boxes.hi[axis][lane] = part.hi[axis];
                 }
             }
-            let found = self.slopes.eval(&mut self.values, tape, &self.boxes, batch.len());
+            let found = {
+                let boxes = &self.boxes;
+                self.slopes.eval(&mut self.values, tape, boxes, boxes, batch.len())
+            };
             for (lane, part) in batch.iter().enumerate() {
                 let is = |lanes: u64| lanes >> lane & 1 == 1;
                 let finding = &mut findings[part.voxel];

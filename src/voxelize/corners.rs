@@ -63,14 +63,22 @@ impl<T: Scalar> Corners<T> {
         present
     }
 
-    /// Writes a node to one lane. `ijk` counts it in nodes of its level, whose edge is `edge`
-    /// voxels.
-    pub(super) fn write_node(&self, boxes: &mut Boxes<T>, lane: usize, ijk: [u32; 3], edge: u32) {
+    /// Writes a node to one lane, once rounded outwards and once inwards. `ijk` counts it in nodes
+    /// of its level, whose edge is `edge` voxels.
+    pub(super) fn write_node(
+        &self,
+        [outer, inner]: [&mut Boxes<T>; 2],
+        lane: usize,
+        ijk: [u32; 3],
+        edge: u32,
+    ) {
         for axis in 0..3 {
             let n = self.n_voxels[axis];
             let planes = [ijk[axis] * edge, (ijk[axis] + 1) * edge].map(|i| i.min(n) as usize);
-            boxes.lo[axis][lane] = self.below[axis][planes[0]];
-            boxes.hi[axis][lane] = self.above[axis][planes[1]];
+            outer.lo[axis][lane] = self.below[axis][planes[0]];
+            inner.lo[axis][lane] = self.above[axis][planes[0]];
+            inner.hi[axis][lane] = self.below[axis][planes[1]];
+            outer.hi[axis][lane] = self.above[axis][planes[1]];
         }
     }
 

@@ -12,6 +12,7 @@
 
 mod bounds;
 mod closer;
+mod closer_points;
 mod corners;
 mod node;
 mod normals;

@@ -1,5 +1,18 @@
 //! What the search knows of an octant, and of the eight children of one.
 
+/// What a closer look found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Finding {
+    /// Not decided.
+    Candidate,
+    /// The surface provably passes through.
+    Certified,
+    /// No surface, and F > 0 or undefined.
+    Empty,
+    /// No surface, and F < 0 where it is defined.
+    Inside,
+}
+
 /// An octant that may meet the surface.
 #[derive(Clone, Copy)]
 pub(super) struct Node {
@@ -73,6 +86,16 @@ impl Family {
     #[inline(always)]
     pub(super) fn open(&self) -> u8 {
         if self.trends[0].is_known() { 0 } else { self.mixed & self.regular & !self.certified }
+    }
+
+    /// Notes what a closer look at child `c` found.
+    pub(super) fn conclude(&mut self, c: u32, finding: Finding) {
+        match finding {
+            Finding::Candidate => {}
+            Finding::Certified => self.certified |= 1 << c,
+            Finding::Empty => self.drop(c, false),
+            Finding::Inside => self.drop(c, true),
+        }
     }
 
     /// Child `c` was found to have no surface.

@@ -272,7 +272,9 @@ fn slave<S: Simd, L: Lanes<Token = S>, const G: usize>(
             let children = search.divide(run, level);
             for masks in &search.take_masks()[level as usize..=level as usize] {
                 let octants = masks.mixed.iter().zip(&masks.inside);
-                findings.divided.extend(octants.map(|(&mixed, &inside)| (level, code, mixed, inside)));
+                findings
+                    .divided
+                    .extend(octants.map(|(&mixed, &inside)| (level, code, mixed, inside)));
             }
             for run in children.into_iter().flat_map(Run::into_single_nodes) {
                 if !desk.children.push(Octant::new(run, level + 1), stop) {

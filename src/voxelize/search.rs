@@ -21,7 +21,8 @@ use std::sync::Arc;
 use fearless_simd::Simd;
 
 use super::{
-    closer::{CloserLook, Finding},
+    closer::CloserLook,
+    closer_points::{KnownSlopes, look_at_points},
     corners::Corners,
     node::{Family, Node, Trend},
     normals::NormalFinder,
@@ -119,13 +120,22 @@ struct Group {
     choices: Vec<Choice>,
 }
 
+/// A voxel that the gradient left open: child `c` of the node number `parent`.
+struct OpenVoxel {
+    parent: usize,
+    c: u32,
+    slopes: KnownSlopes,
+}
+
 /// The state of one thread's search.
 pub(super) struct Search<'a, S: Simd, L: Lanes<Token = S>, const G: usize> {
+    lattice: &'a Lattice,
     corners: &'a Corners<L::Scalar>,
     depth: u32,
     values: BoxEvaluator<L, G>,
     slopes: SlopeEvaluator<L, G>,
     boxes: Boxes<L::Scalar>,
+    inner_boxes: Boxes<L::Scalar>,
     signs: CornerSigns<L::Scalar>,
     closer: CloserLook<'a, S>,
     normal_finder: NormalFinder<'a, S>,
@@ -139,11 +149,13 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
     pub(super) fn new(simd: S, lattice: &'a Lattice, corners: &'a Corners<L::Scalar>) -> Self {
         let depth = lattice.depth();
         Self {
+            lattice,
             corners,
             depth,
             values: BoxEvaluator::new(simd),
             slopes: SlopeEvaluator::new(simd),
             boxes: Boxes::default(),
+            inner_boxes: Boxes::default(),
             signs: CornerSigns::new(),
             closer: CloserLook::new(simd, lattice),
             normal_finder: NormalFinder::new(simd, lattice),
@@ -228,7 +240,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
     fn divide_with_slopes(&mut self, run: Run, level: u32) -> Vec<Run> {
         let (mut families, groups) = self.test_values(&run, level);
         self.follow_trends(&run, level, &mut families);
-        self.test_slopes(&run, level, &mut families);
+        self.test_slopes(&run, level, &mut families, &mut Vec::new());
         self.children(run, level, &families, groups)
     }
 
@@ -237,7 +249,9 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
         let (mut families, _) = self.test_values(run, level);
         self.follow_trends(run, level, &mut families);
         self.certify_at_corners(run, &mut families);
-        self.test_slopes(run, level, &mut families);
+        let mut open = Vec::new();
+        self.test_slopes(run, level, &mut families, &mut open);
+        self.look_at_points(run, &mut families, &open);
         self.look_closer(run, &mut families);
         let mut voxels = Vec::with_capacity(4 * families.len());
         for (node, family) in run.nodes.iter().zip(&families) {
@@ -371,14 +385,19 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
     }
 
     /// Tests the surviving children by the gradient over them, and finds the trends of those that
-    /// have one.
-    fn test_slopes(&mut self, run: &Run, level: u32, families: &mut [Family]) {
+    /// have one. Adds voxels that stay open to `left`.
+    fn test_slopes(
+        &mut self,
+        run: &Run,
+        level: u32,
+        families: &mut [Family],
+        left: &mut Vec<OpenVoxel>,
+    ) {
         let Run { nodes, tape } = run;
         let edge = 1 << (self.depth - level - 1);
         let is_voxel = level + 1 == self.depth;
         // Below a trend tapes are not shortened any more.
-        let is_last_tape =
-            tape.n_choices() == 0 || level + 1 + LEVELS_WITHOUT_SPLIT >= self.depth;
+        let is_last_tape = tape.n_choices() == 0 || level + 1 + LEVELS_WITHOUT_SPLIT >= self.depth;
         let mut open: Vec<(usize, u32)> = Vec::new();
         for (i, family) in families.iter().enumerate() {
             open.extend(bits(family.open()).map(|c| (i, c)));
@@ -390,20 +409,51 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
         for batch in open.chunks(BATCH) {
             for (lane, &(i, c)) in batch.iter().enumerate() {
                 let child = child_of(nodes[i].ijk, c);
-                self.corners.write_node(&mut self.boxes, lane, child, edge);
+                let boxes = [&mut self.boxes, &mut self.inner_boxes];
+                self.corners.write_node(boxes, lane, child, edge);
             }
-            let found = self.slopes.eval(&mut self.values, tape, &self.boxes, batch.len());
+            let (outer, inner) = (&self.boxes, &self.inner_boxes);
+            let found = self.slopes.eval(&mut self.values, tape, outer, inner, batch.len());
             for (lane, &(i, c)) in batch.iter().enumerate() {
                 let is = |lanes: u64| lanes >> lane & 1 == 1;
                 if is(found.verdict.empty) {
                     families[i].drop(c, false);
                 } else if is(found.verdict.negative) {
                     families[i].drop(c, true);
-                } else if is_last_tape {
-                    let trend = Trend::new(found.rising.map(is), found.falling.map(is));
-                    families[i].trends[c as usize] = trend;
+                } else if is_voxel && is(found.crossed) {
+                    families[i].certified |= 1 << c;
+                } else {
+                    let (rising, falling) = (found.rising.map(is), found.falling.map(is));
+                    let trend = Trend::new(rising, falling);
+                    if is_last_tape {
+                        families[i].trends[c as usize] = trend;
+                    }
+                    if is_voxel && !trend.is_known() {
+                        let steepest = self.slopes.steepest(lane);
+                        let slopes = KnownSlopes { rising, falling, steepest };
+                        left.push(OpenVoxel { parent: i, c, slopes });
+                    }
                 }
             }
+        }
+    }
+
+    /// Looks at F at points of voxels whose slopes are known.
+    fn look_at_points(&mut self, run: &Run, families: &mut [Family], open: &[OpenVoxel]) {
+        let children = steps_to_children(1);
+        let voxels: Vec<_> = open
+            .iter()
+            .map(|open| {
+                let ijk = run.nodes[open.parent].ijk;
+                let first = self.signs.place(ijk.map(|i| 2 * i)) + children[open.c as usize];
+                let corners = self.signs.get(first, &children);
+                let signs = corners.into_iter().fold(Signs::default(), Signs::and);
+                (child_of(ijk, open.c), open.slopes, signs)
+            })
+            .collect();
+        let findings = look_at_points(&mut self.values, self.lattice, &run.tape, &voxels);
+        for (open, finding) in open.iter().zip(findings) {
+            families[open.parent].conclude(open.c, finding);
         }
     }
 
@@ -414,16 +464,16 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
             open.extend(bits(family.mixed & !family.certified).map(|c| (i, c)));
         }
         self.effort.closer_looks += open.len() as u64;
-        let voxels: Vec<[u32; 3]> =
-            open.iter().map(|&(i, c)| child_of(run.nodes[i].ijk, c)).collect();
+        let voxels: Vec<([u32; 3], bool)> = open
+            .iter()
+            .map(|&(i, c)| {
+                let has_trend = families[i].trends[c as usize].is_known();
+                (child_of(run.nodes[i].ijk, c), has_trend)
+            })
+            .collect();
         let findings = self.closer.look(&run.tape, &voxels, &mut self.effort.gradients);
         for (&(i, c), finding) in open.iter().zip(findings) {
-            match finding {
-                Finding::Candidate => {}
-                Finding::Certified => families[i].certified |= 1 << c,
-                Finding::Empty => families[i].drop(c, false),
-                Finding::Inside => families[i].drop(c, true),
-            }
+            families[i].conclude(c, finding);
         }
     }
 

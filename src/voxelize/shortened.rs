@@ -21,9 +21,10 @@ impl ShortenedTapes {
             return tape.clone();
         }
         let address = Arc::as_ptr(tape) as usize;
-        let (_, shortened) = self.made.entry((address, choices)).or_insert_with_key(|(_, choices)| {
-            (tape.clone(), Arc::new(tape.shortened(choices.iter().copied())))
-        });
+        let (_, shortened) =
+            self.made.entry((address, choices)).or_insert_with_key(|(_, choices)| {
+                (tape.clone(), Arc::new(tape.shortened(choices.iter().copied())))
+            });
         shortened.clone()
     }
 

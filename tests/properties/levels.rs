@@ -4,8 +4,8 @@ use fearless_simd::{Simd, f32x16, f64x8};
 use proptest::prelude::*;
 use zeroset::{
     eval::{
-        BATCH, BoxEvaluator, Boxes, GradientEvaluator, Machine, POINT_BATCH, PointEvaluator, Points,
-        SlopeEvaluator, SlopeVerdict, Verdict,
+        BATCH, BoxEvaluator, Boxes, GradientEvaluator, Machine, POINT_BATCH, PointEvaluator,
+        Points, SlopeEvaluator, SlopeVerdict, Verdict,
     },
     expr::{Choice, Tape},
     math::{Dual, Interval, Lanes, Notes, Number, Point, Scalar, SimdLevel, SimdTask},
@@ -101,8 +101,8 @@ impl SimdTask for Everything<'_> {
             (0..BATCH).map(|lane| wide_boxes.choices(lane).collect()).collect(),
         ];
         let slopes = [
-            SlopeEvaluator::new(simd).eval(&mut narrow_boxes, tape, narrow, BATCH),
-            SlopeEvaluator::new(simd).eval(&mut wide_boxes, tape, wide, BATCH),
+            SlopeEvaluator::new(simd).eval(&mut narrow_boxes, tape, narrow, narrow, BATCH),
+            SlopeEvaluator::new(simd).eval(&mut wide_boxes, tape, wide, wide, BATCH),
         ];
         let values = PointEvaluator::new(simd).eval(tape, points);
         let gradients = GradientEvaluator::new(simd).eval(tape, points);

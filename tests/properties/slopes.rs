@@ -36,7 +36,7 @@ fn slopes<S: Simd, L: Lanes<Token = S>, const G: usize>(
     boxes: &Boxes<L::Scalar>,
 ) -> SlopeVerdict {
     let mut values = BoxEvaluator::<L, G>::new(simd);
-    SlopeEvaluator::<L, G>::new(simd).eval(&mut values, tape, boxes, BATCH)
+    SlopeEvaluator::<L, G>::new(simd).eval(&mut values, tape, boxes, boxes, BATCH)
 }
 
 /// Stores the same boxes in both types.

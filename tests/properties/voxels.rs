@@ -429,7 +429,16 @@ fn threads_and_levels_change_nothing() {
             same(&found, &format!("a master and {threads} slaves"));
         }
         for level in SimdLevel::available() {
-            same(&voxelize(expr, lattice, &Settings { simd: level, ..Settings::default() }, &Unwatched).unwrap(), level.name());
+            same(
+                &voxelize(
+                    expr,
+                    lattice,
+                    &Settings { simd: level, ..Settings::default() },
+                    &Unwatched,
+                )
+                .unwrap(),
+                level.name(),
+            );
         }
     }
 }
