@@ -91,6 +91,32 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> BoxEvaluator<L, G> {
         n: usize,
         trace: bool,
     ) -> Verdict {
+        self.run(tape, boxes, n, trace, None)
+    }
+
+    /// The ranges of F over the first `n` boxes; the others mean nothing.
+    pub fn ranges(
+        &mut self,
+        tape: &Tape,
+        boxes: &Boxes<L::Scalar>,
+        n: usize,
+    ) -> Ranges<L::Scalar> {
+        let zeros = [L::Scalar::default(); BATCH];
+        let mut ranges = Ranges { lo: zeros, hi: zeros };
+        self.run(tape, boxes, n, false, Some(&mut ranges));
+        ranges
+    }
+
+    // Once for both: the machine is large.
+    #[inline(never)]
+    fn run(
+        &mut self,
+        tape: &Tape,
+        boxes: &Boxes<L::Scalar>,
+        n: usize,
+        trace: bool,
+        ranges: Option<&mut Ranges<L::Scalar>>,
+    ) -> Verdict {
         let Self { token, machine, .. } = self;
         let verdict = token.vectorize(
             #[inline(always)]
@@ -98,32 +124,19 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> BoxEvaluator<L, G> {
                 let inputs = load(*token, boxes);
                 let n_vectors = n.div_ceil(L::LEN);
                 let notes = machine.run_first(*token, tape, &inputs, n_vectors, trace);
+                let result = machine.slot(tape.result());
+                if let Some(ranges) = ranges {
+                    for (g, range) in result[..n_vectors].iter().enumerate() {
+                        range.lo.store(&mut ranges.lo[g * L::LEN..]);
+                        range.hi.store(&mut ranges.hi[g * L::LEN..]);
+                    }
+                }
                 let region = tape.region().map(|slot| machine.slot(slot));
-                verdict(machine.slot(tape.result()), region, &notes[..n_vectors])
+                verdict(result, region, &notes[..n_vectors])
             },
         );
         (self.last, self.has_region) = (verdict, tape.region().is_some());
         verdict
-    }
-
-    /// The ranges of F over the first `n` boxes; the others mean nothing.
-    pub fn ranges(&mut self, tape: &Tape, boxes: &Boxes<L::Scalar>, n: usize) -> Ranges<L::Scalar> {
-        let Self { token, machine, .. } = self;
-        let mut ranges =
-            Ranges { lo: [L::Scalar::default(); BATCH], hi: [L::Scalar::default(); BATCH] };
-        token.vectorize(
-            #[inline(always)]
-            || {
-                let inputs = load(*token, boxes);
-                let n_vectors = n.div_ceil(L::LEN);
-                machine.run_first(*token, tape, &inputs, n_vectors, false);
-                for (g, range) in machine.slot(tape.result())[..n_vectors].iter().enumerate() {
-                    range.lo.store(&mut ranges.lo[g * L::LEN..]);
-                    range.hi.store(&mut ranges.hi[g * L::LEN..]);
-                }
-            },
-        );
-        ranges
     }
 
     /// How the choices of the last traced tape went for the box `lane`. None is decided where F is
