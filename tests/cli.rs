@@ -289,3 +289,76 @@ fn a_formula_without_a_surface_is_told() {
     let endless = said_about_sphere("x + y + z", "");
     assert!(endless.contains("no bound was found for `it` within 2^20 of the origin"), "{endless}");
 }
+
+/// The digest of the picture of a sphere with more keys in the section `[voxels]`.
+fn picture_with(keys: &str) -> (Output, String) {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("a.toml"), format!("{SPHERE}[voxels]\n{keys}\n")).unwrap();
+    let arguments = ["a.toml", "--resolution", "64", "--stats", "-"];
+    let output = command(directory.path()).args(arguments).output().unwrap();
+    let stdout = String::from_utf8(output.stdout.clone()).unwrap();
+    let digests = stdout.split("\"frame\"").nth(1).unwrap_or_default();
+    (output, digests.split("\"precision\"").next().unwrap_or_default().to_owned())
+}
+
+#[test]
+fn storage_and_schedule_do_not_show() {
+    let (_, reference) = picture_with("");
+    assert!(reference.contains("rgba"));
+    for keys in [
+        "storage = \"octree\"",
+        "storage = \"pointer\"",
+        "storage = \"dense\"",
+        "schedule = \"master-slave\"",
+        "storage = \"pointer\"\nschedule = \"master-slave\"",
+    ] {
+        let (output, picture) = picture_with(keys);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        assert_eq!(picture, reference, "{keys}");
+    }
+}
+
+#[test]
+fn what_does_not_fit_says_what_would() {
+    let (output, directory) = render(&["a.toml", "--resolution", "2048", "--max-memory", "40M"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = stderr(&output);
+    assert!(said.contains("million voxels are to be expected at resolution 2048"), "{said}");
+    assert!(said.contains(" would fit, or give more with --max-memory"), "{said}");
+    assert!(!directory.path().join("out").exists());
+    let (output, _) = render(&["a.toml", "--max-memory", "1X"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("such as 800M or 12G"), "{output:?}");
+}
+
+#[test]
+fn a_yield_is_a_table_and_a_plot() {
+    let arguments = ["yield", "a.toml", "--threads", "1,3", "--runs", "1", "--resolution", "16"];
+    let (output, directory) = render(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let table = String::from_utf8(output.stdout).unwrap();
+    let rows: Vec<&str> = table.lines().filter(|line| line.starts_with("| ")).collect();
+    assert_eq!(rows.len(), 3, "{table}");
+    assert!(rows[1].starts_with("| 1 |") && rows[2].starts_with("| 3 |"), "{table}");
+    let plot = fs::read_to_string(directory.path().join("out/a-yield.svg")).unwrap();
+    assert!(plot.starts_with("<svg") && plot.contains("threads"), "{plot}");
+}
+
+#[test]
+fn candidates_can_be_hidden() {
+    // A wall that the surface touches from one side: nothing of it can be certified.
+    let scene = "version = 1\n[[surface]]\nf = \"x^2 = 0\"\n[domain]\nmin = [-1, -1, -1]\n\
+        max = [1, 1, 1]\n[image]\nwidth = 32\nheight = 32\n";
+    let covered = |more: &str| {
+        let directory = tempfile::tempdir().unwrap();
+        fs::write(directory.path().join("a.toml"), format!("{scene}{more}")).unwrap();
+        let arguments = ["a.toml", "--resolution", "16", "--stats", "-"];
+        let output = command(directory.path()).args(arguments).output().unwrap();
+        let stdout = String::from_utf8(output.stdout).unwrap();
+        assert!(stdout.contains("\"certified\":0"), "{stdout}");
+        !stdout.contains("\"covered\":0,")
+    };
+    assert!(covered(""));
+    assert!(covered("shade = \"status\"\n"));
+    assert!(!covered("candidates = false\n"));
+}

@@ -40,8 +40,17 @@ fn render(folder: &Path, model: &str, rest: &str) -> Picture {
 
 /// The least and the most indices of voxels, axis by axis.
 fn bounds(picture: &Picture) -> [[u32; 3]; 2] {
-    let (least, most) = picture.octrees[0].bounds().unwrap();
-    [least, most]
+    let storage = &picture.storages[0];
+    let mut bounds = [[u32::MAX; 3], [0; 3]];
+    for part in storage.parts() {
+        storage.visit(part, &mut |voxel| {
+            for axis in 0..3 {
+                bounds[0][axis] = bounds[0][axis].min(voxel.ijk[axis]);
+                bounds[1][axis] = bounds[1][axis].max(voxel.ijk[axis]);
+            }
+        });
+    }
+    bounds
 }
 
 #[test]

@@ -95,12 +95,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> BoxEvaluator<L, G> {
     }
 
     /// The ranges of F over the first `n` boxes; the others mean nothing.
-    pub fn ranges(
-        &mut self,
-        tape: &Tape,
-        boxes: &Boxes<L::Scalar>,
-        n: usize,
-    ) -> Ranges<L::Scalar> {
+    pub fn ranges(&mut self, tape: &Tape, boxes: &Boxes<L::Scalar>, n: usize) -> Ranges<L::Scalar> {
         let zeros = [L::Scalar::default(); BATCH];
         let mut ranges = Ranges { lo: zeros, hi: zeros };
         self.run(tape, boxes, n, false, Some(&mut ranges));

@@ -136,7 +136,8 @@ pub fn expected_voxels(expr: &Expr, lattice: &Lattice, settings: &Settings) -> R
     }
     let levels = resolution.div_ceil(COARSE).next_power_of_two().ilog2();
     let coarse = Lattice::new(lattice.bounds(), (resolution >> levels).max(1));
-    let found = voxelize(expr, &coarse, settings, &Unwatched)?;
+    let settings = Settings { max_voxels: u32::MAX, ..*settings };
+    let found = voxelize(expr, &coarse, &settings, &Unwatched)?;
     Ok(u64::from(found.octree.voxel_count()) << (2 * levels))
 }
 
