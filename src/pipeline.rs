@@ -192,9 +192,9 @@ fn find_voxels(
     memory: &Memory,
     progress: &dyn Progress,
 ) -> Result<(Vec<Voxelization>, u32)> {
-    let Scene { storage, image, schedule, .. } = scene;
+    let Scene { storage, image, schedule, certify, .. } = scene;
     let max_voxels = memory.max_voxels(lattice, *storage, image);
-    let settings = Settings { simd, schedule: *schedule, max_voxels };
+    let settings = Settings { simd, schedule: *schedule, certify: *certify, max_voxels };
     let mut n_expected = 0;
     for surface in &scene.surfaces {
         n_expected += voxelize::expected_voxels(&surface.expr, lattice, &settings)?;

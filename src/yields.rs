@@ -81,7 +81,8 @@ fn pool(n_threads: usize) -> Result<rayon::ThreadPool> {
 }
 
 fn find_all(scene: &Scene, lattice: &Lattice) -> Result<()> {
-    let settings = Settings { schedule: scene.schedule, ..Settings::default() };
+    let Scene { schedule, certify, .. } = *scene;
+    let settings = Settings { schedule, certify, ..Settings::default() };
     scene
         .surfaces
         .iter()

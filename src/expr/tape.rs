@@ -42,7 +42,7 @@ pub struct Tape {
 }
 
 /// The outcome of every choice of a tape on one box, in the order of its instructions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
     /// Not decided.
     Both,
@@ -108,13 +108,23 @@ impl Tape {
     #[must_use]
     pub fn shortened(&self, choices: impl IntoIterator<Item = Choice>) -> Self {
         let mut choices = choices.into_iter();
-        let mut nodes: Vec<Node> = Vec::with_capacity(self.nodes.len());
-        let mut moved: Vec<Id> = Vec::with_capacity(self.nodes.len());
-        for node in &self.nodes {
-            let choice = if is_choice(node) { choices.next() } else { Some(Choice::Both) };
-            assert!(choice.is_some(), "one outcome for every choice of the tape");
+        let outcomes: Vec<Choice> = self
+            .nodes
+            .iter()
+            .map(|node| {
+                let outcome = if is_choice(node) { choices.next() } else { Some(Choice::Both) };
+                outcome.unwrap_or_else(|| panic!("one outcome for every choice of the tape"))
+            })
+            .collect();
+        let in_region = choices.next() == Some(Choice::First);
+        let roots = &self.roots[..if in_region { 1 } else { self.roots.len() }];
+        // What lost is not looked at: of a large tape, little is left in a small box.
+        let needed = self.needed(roots, &outcomes);
+        let mut nodes: Vec<Node> = Vec::new();
+        let mut moved: Vec<Id> = vec![0; self.nodes.len()];
+        for (id, node) in self.nodes.iter().enumerate().filter(|&(id, _)| needed[id]) {
             let node = node.map_operands(|operand| moved[operand as usize]);
-            let simplified = match (node, choice.unwrap_or(Choice::Both)) {
+            let simplified = match (node, outcomes[id]) {
                 (Node::Unary(_, a) | Node::Binary(_, a, _), Choice::First) => Simplified::Alias(a),
                 (Node::Binary(_, _, b), Choice::Second) => Simplified::Alias(b),
                 (Node::Unary(_, a), Choice::Second) => {
@@ -122,19 +132,33 @@ impl Tape {
                 }
                 _ => simplify(node, |id| nodes[id as usize]),
             };
-            moved.push(match simplified {
+            moved[id] = match simplified {
                 Simplified::Alias(id) => id,
                 Simplified::Node(node) => {
                     nodes.push(node);
                     (nodes.len() - 1) as Id
                 }
-            });
+            };
         }
-        let mut roots: Vec<Id> = self.roots.iter().map(|&root| moved[root as usize]).collect();
-        if choices.next() == Some(Choice::First) {
-            roots.truncate(1);
-        }
+        let roots: Vec<Id> = roots.iter().map(|&root| moved[root as usize]).collect();
         Self::allocate(prune(&nodes, &roots))
+    }
+
+    /// The nodes that `roots` need where choices went as given.
+    fn needed(&self, roots: &[Id], outcomes: &[Choice]) -> Vec<bool> {
+        let mut needed = vec![false; self.nodes.len()];
+        roots.iter().for_each(|&root| needed[root as usize] = true);
+        for (id, node) in self.nodes.iter().enumerate().rev() {
+            if !needed[id] {
+                continue;
+            }
+            match (*node, outcomes[id]) {
+                (Node::Binary(_, a, _), Choice::First) => needed[a as usize] = true,
+                (Node::Binary(_, _, b), Choice::Second) => needed[b as usize] = true,
+                _ => node.operands().for_each(|operand| needed[operand as usize] = true),
+            }
+        }
+        needed
     }
 
     /// Gives every result a slot that is free from then until its last use.

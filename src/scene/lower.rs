@@ -95,6 +95,7 @@ impl<'a> Lower<'a> {
             surfaces: self.surfaces(&spec.surfaces, &clip),
             domain: self.domain(&spec.domain),
             resolution: self.resolution(&spec.voxels.spec),
+            certify: spec.voxels.spec.certify.unwrap_or(true),
             storage: storage(&spec.voxels.spec),
             schedule: schedule(&spec.voxels.spec),
             view: self.view(&spec.camera),

@@ -48,6 +48,8 @@ pub struct Scene {
     pub domain: Option<Aabb>,
     /// Voxels along the domain's longest axis.
     pub resolution: u32,
+    /// Whether voxels are certified, by gradients and values at corners.
+    pub certify: bool,
     /// What holds the voxels.
     pub storage: StorageKind,
     /// How work is shared out among threads.

@@ -147,6 +147,9 @@ pub(super) struct VoxelsSpec {
     /// Voxels along the longest axis of the domain; 512 by default.
     #[schemars(range(min = 1, max = 16384))]
     pub(super) resolution: Option<Spanned<Whole>>,
+    /// Whether gradients are used to drop voxels that the surface does not meet, and to certify
+    /// the others; true by default. Without, only values are looked at, as in the paper.
+    pub(super) certify: Option<bool>,
     /// What holds the voxels; the picture does not depend on it. "octree" by default.
     pub(super) storage: Option<StorageSpec>,
     /// How work is shared out among threads; the picture does not depend on it. "stealing" by

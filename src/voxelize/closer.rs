@@ -1,10 +1,12 @@
 //! A closer look at voxels of which it is not known whether the surface meets them.
 //!
-//! They are searched in f64, in parts of half, a quarter and an eighth of their edge, and only to
-//! decide about the voxel: one part that the surface provably passes through certifies it, and if no
-//! part is left the voxel is dropped. What is still open then is kept as a candidate: a tangency, a
-//! singular point, a jump. Voxels in which F is monotone are looked at whole first: of them only a
-//! corner's sign was too close to tell.
+//! They are searched in parts of half, a quarter and an eighth of their edge, and only to decide
+//! about the voxel: one part that the surface provably passes through certifies it, and if no part
+//! is left the voxel is dropped. What is still open then is kept as a candidate: a tangency, a
+//! singular point, a jump.
+//!
+//! Voxels in which F is monotone are looked at in f64, whole first: of them only a corner's sign was
+//! too close to tell.
 
 use fearless_simd::{Simd, f64x8};
 
@@ -12,7 +14,7 @@ use super::node::Finding;
 use crate::{
     eval::{BATCH, BoxEvaluator, Boxes, SlopeEvaluator},
     expr::Tape,
-    math::Lattice,
+    math::{Lanes, Lattice, Scalar},
 };
 
 /// How often a voxel is halved.
@@ -31,6 +33,11 @@ struct Part {
 }
 
 impl Part {
+    fn whole(voxel: usize, ijk: [u32; 3], lattice: &Lattice) -> Self {
+        let plane = |end: u32| [0, 1, 2].map(|axis| lattice.corner(axis, ijk[axis] + end));
+        Self { voxel, lo: plane(0), hi: plane(1) }
+    }
+
     fn halves(self) -> impl Iterator<Item = Self> {
         (0..8_u32).map(move |c| {
             let mut half = self;
@@ -47,44 +54,77 @@ impl Part {
     }
 }
 
-/// One thread's means for looking closer.
-pub(super) struct CloserLook<'a, S: Simd> {
+/// One thread's means for looking closer, with vectors of type L.
+pub(super) struct CloserLook<'a, L: Lanes, const G: usize> {
     lattice: &'a Lattice,
-    values: BoxEvaluator<f64x8<S>, { BATCH / 8 }>,
-    slopes: SlopeEvaluator<f64x8<S>, { BATCH / 8 }>,
-    boxes: Boxes<f64>,
+    values: BoxEvaluator<L, G>,
+    slopes: SlopeEvaluator<L, G>,
+    outer: Boxes<L::Scalar>,
+    inner: Boxes<L::Scalar>,
 }
 
-impl<'a, S: Simd> CloserLook<'a, S> {
+/// In f64, whatever the rest of the search uses.
+pub(super) type ExactLook<'a, S> = CloserLook<'a, f64x8<S>, { BATCH / 8 }>;
+
+impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> CloserLook<'a, L, G> {
     pub(super) fn new(simd: S, lattice: &'a Lattice) -> Self {
         Self {
             lattice,
             values: BoxEvaluator::new(simd),
             slopes: SlopeEvaluator::new(simd),
-            boxes: Boxes::default(),
+            outer: Boxes::default(),
+            inner: Boxes::default(),
         }
     }
 
-    /// What is found in each of `voxels`, of which is told whether F has a trend there. Adds the
-    /// gradients that it takes to `n_gradients`.
-    pub(super) fn look(
+    /// What is found in each of `voxels`, which have no trend. Adds the gradients that it takes to
+    /// `n_gradients`.
+    pub(super) fn look_at_parts(
         &mut self,
         tape: &Tape,
-        voxels: &[([u32; 3], bool)],
+        voxels: &[[u32; 3]],
         n_gradients: &mut u64,
     ) -> Vec<Finding> {
-        let mut findings = vec![Finding::Empty; voxels.len()];
-        let mut parts = Vec::new();
-        for (voxel, &(ijk, has_trend)) in voxels.iter().enumerate() {
-            let whole = self.whole(voxel, ijk);
-            if has_trend { parts.push(whole) } else { parts.extend(whole.halves()) }
-        }
+        let whole = |(voxel, &ijk)| Part::whole(voxel, ijk, self.lattice);
+        let parts = voxels.iter().enumerate().flat_map(|voxel| whole(voxel).halves()).collect();
+        self.look(tape, voxels.len(), parts, n_gradients)
+    }
+
+    /// The same for voxels that have a trend.
+    pub(super) fn look_at_whole(
+        &mut self,
+        tape: &Tape,
+        voxels: &[[u32; 3]],
+        n_gradients: &mut u64,
+    ) -> Vec<Finding> {
+        let whole = |(voxel, &ijk)| Part::whole(voxel, ijk, self.lattice);
+        let parts = voxels.iter().enumerate().map(whole).collect();
+        self.look(tape, voxels.len(), parts, n_gradients)
+    }
+
+    fn look(
+        &mut self,
+        tape: &Tape,
+        n_voxels: usize,
+        mut parts: Vec<Part>,
+        n_gradients: &mut u64,
+    ) -> Vec<Finding> {
+        let mut findings = vec![Finding::Empty; n_voxels];
         for halvings in 1.. {
-            *n_gradients += parts.len() as u64;
-            let mut left = self.survivors(tape, &parts, &mut findings);
+            let by_value = self.survivors(&parts, &mut findings, |look, batch| {
+                let verdict = look.values.eval(tape, &look.outer, batch, false);
+                (verdict.empty, verdict.negative, 0)
+            });
+            *n_gradients += by_value.len() as u64;
+            let mut left = self.survivors(&by_value, &mut findings, |look, batch| {
+                let Self { values, slopes, outer, inner, .. } = look;
+                let found = slopes.eval(values, tape, outer, inner, batch);
+                let crossed = found.crossed & found.verdict.in_region;
+                (found.verdict.empty, found.verdict.negative, crossed)
+            });
             left.retain(|part| findings[part.voxel] != Finding::Certified);
             if left.is_empty() {
-                return findings;
+                break;
             }
             parts.clear();
             for of_voxel in left.chunk_by(|a, b| a.voxel == b.voxel) {
@@ -98,33 +138,27 @@ impl<'a, S: Simd> CloserLook<'a, S> {
         findings
     }
 
-    fn whole(&self, voxel: usize, ijk: [u32; 3]) -> Part {
-        let plane = |end: u32| [0, 1, 2].map(|axis| self.lattice.corner(axis, ijk[axis] + end));
-        Part { voxel, lo: plane(0), hi: plane(1) }
-    }
-
-    /// The parts that the surface may meet. Notes which voxels are certified, and which have parts
-    /// inside.
-    fn survivors(&mut self, tape: &Tape, parts: &[Part], findings: &mut [Finding]) -> Vec<Part> {
+    /// The parts that the surface may meet. `test` tells of a batch, as bits, which are empty, in
+    /// which F < 0, and through which the surface passes; voxels with the latter are certified.
+    fn survivors(
+        &mut self,
+        parts: &[Part],
+        findings: &mut [Finding],
+        mut test: impl FnMut(&mut Self, usize) -> (u64, u64, u64),
+    ) -> Vec<Part> {
         let mut left = Vec::new();
         for batch in parts.chunks(BATCH) {
             for (lane, part) in batch.iter().enumerate() {
-                for axis in 0..3 {
-                    self.boxes.lo[axis][lane] = part.lo[axis];
-                    self.boxes.hi[axis][lane] = part.hi[axis];
-                }
+                self.write(lane, part);
             }
-            let found = {
-                let boxes = &self.boxes;
-                self.slopes.eval(&mut self.values, tape, boxes, boxes, batch.len())
-            };
+            let (empty, negative, crossed) = test(self, batch.len());
             for (lane, part) in batch.iter().enumerate() {
                 let is = |lanes: u64| lanes >> lane & 1 == 1;
                 let finding = &mut findings[part.voxel];
-                if *finding == Finding::Certified || is(found.verdict.empty) {
-                } else if is(found.verdict.negative) {
+                if *finding == Finding::Certified || is(empty) {
+                } else if is(negative) {
                     *finding = Finding::Inside;
-                } else if is(found.crossed & found.verdict.in_region) {
+                } else if is(crossed) {
                     *finding = Finding::Certified;
                 } else {
                     left.push(*part);
@@ -132,5 +166,15 @@ impl<'a, S: Simd> CloserLook<'a, S> {
             }
         }
         left
+    }
+
+    fn write(&mut self, lane: usize, part: &Part) {
+        for axis in 0..3 {
+            let (lo, hi) = (part.lo[axis], part.hi[axis]);
+            self.outer.lo[axis][lane] = L::Scalar::below(lo);
+            self.inner.lo[axis][lane] = L::Scalar::above(lo);
+            self.inner.hi[axis][lane] = L::Scalar::below(hi);
+            self.outer.hi[axis][lane] = L::Scalar::above(hi);
+        }
     }
 }

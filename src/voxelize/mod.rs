@@ -85,13 +85,16 @@ impl Precision {
     }
 }
 
-/// How to voxelize; the voxels depend on none of it.
+/// How to voxelize.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     /// Instruction set.
     pub simd: SimdLevel,
     /// How work is shared out.
     pub schedule: Schedule,
+    /// Whether gradients and values at corners are looked at, which drop voxels that the surface
+    /// does not meet, and certify the others. The voxels depend on this alone.
+    pub certify: bool,
     /// More voxels are an error.
     pub max_voxels: u32,
 }
@@ -99,7 +102,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         let (simd, schedule) = (SimdLevel::detect(), Schedule::default());
-        Self { simd, schedule, max_voxels: u32::MAX }
+        Self { simd, schedule, certify: true, max_voxels: u32::MAX }
     }
 }
 
@@ -170,7 +173,8 @@ impl Task<'_> {
     fn search<S: Simd, L: Lanes<Token = S>, const G: usize>(self, simd: S) -> Result<Voxelization> {
         let Self { tape, lattice, precision, settings, progress } = self;
         let corners = Corners::<L::Scalar>::new(lattice);
-        let new_search = || Search::<S, L, G>::new(simd, lattice, &corners);
+        let certify = settings.certify;
+        let new_search = || Search::<S, L, G>::new(simd, lattice, &corners, certify);
         let root = Run::root(Arc::new(tape));
         let frontier = frontier_level(lattice.depth());
         let watch = Watch::new(progress, settings.max_voxels);

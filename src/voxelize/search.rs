@@ -21,7 +21,7 @@ use std::sync::Arc;
 use fearless_simd::Simd;
 
 use super::{
-    closer::CloserLook,
+    closer::{CloserLook, ExactLook},
     closer_points::{KnownSlopes, look_at_points},
     corners::Corners,
     node::{Family, Node, Trend},
@@ -131,13 +131,15 @@ struct OpenVoxel {
 pub(super) struct Search<'a, S: Simd, L: Lanes<Token = S>, const G: usize> {
     lattice: &'a Lattice,
     corners: &'a Corners<L::Scalar>,
+    certify: bool,
     depth: u32,
     values: BoxEvaluator<L, G>,
     slopes: SlopeEvaluator<L, G>,
     boxes: Boxes<L::Scalar>,
     inner_boxes: Boxes<L::Scalar>,
     signs: CornerSigns<L::Scalar>,
-    closer: CloserLook<'a, S>,
+    closer: CloserLook<'a, L, G>,
+    exact: ExactLook<'a, S>,
     normal_finder: NormalFinder<'a, S>,
     tapes: ShortenedTapes,
     masks: Vec<LevelMasks>,
@@ -146,11 +148,18 @@ pub(super) struct Search<'a, S: Simd, L: Lanes<Token = S>, const G: usize> {
 }
 
 impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
-    pub(super) fn new(simd: S, lattice: &'a Lattice, corners: &'a Corners<L::Scalar>) -> Self {
+    /// Where `certify` is false, only values are looked at.
+    pub(super) fn new(
+        simd: S,
+        lattice: &'a Lattice,
+        corners: &'a Corners<L::Scalar>,
+        certify: bool,
+    ) -> Self {
         let depth = lattice.depth();
         Self {
             lattice,
             corners,
+            certify,
             depth,
             values: BoxEvaluator::new(simd),
             slopes: SlopeEvaluator::new(simd),
@@ -158,6 +167,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
             inner_boxes: Boxes::default(),
             signs: CornerSigns::new(),
             closer: CloserLook::new(simd, lattice),
+            exact: CloserLook::new(simd, lattice),
             normal_finder: NormalFinder::new(simd, lattice),
             tapes: ShortenedTapes::default(),
             masks: vec![LevelMasks::default(); depth as usize],
@@ -222,10 +232,15 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
     fn search_block(&mut self, run: Run, level: u32) {
         if level + 1 == self.depth {
             self.divide_into_voxels(&run, level);
+            return;
+        }
+        let runs = if self.certify {
+            self.divide_with_slopes(run, level)
         } else {
-            for run in self.divide_with_slopes(run, level) {
-                self.search_block(run, level + 1);
-            }
+            self.divide(run, level)
+        };
+        for run in runs {
+            self.search_block(run, level + 1);
         }
     }
 
@@ -247,12 +262,14 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
     /// Divides the nodes above the voxels, and keeps the voxels.
     fn divide_into_voxels(&mut self, run: &Run, level: u32) {
         let (mut families, _) = self.test_values(run, level);
-        self.follow_trends(run, level, &mut families);
-        self.certify_at_corners(run, &mut families);
-        let mut open = Vec::new();
-        self.test_slopes(run, level, &mut families, &mut open);
-        self.look_at_points(run, &mut families, &open);
-        self.look_closer(run, &mut families);
+        if self.certify {
+            self.follow_trends(run, level, &mut families);
+            self.certify_at_corners(run, &mut families);
+            let mut open = Vec::new();
+            self.test_slopes(run, level, &mut families, &mut open);
+            self.look_at_points(run, &mut families, &open);
+            self.look_closer(run, &mut families);
+        }
         let mut voxels = Vec::with_capacity(4 * families.len());
         for (node, family) in run.nodes.iter().zip(&families) {
             self.masks[level as usize].push(family.mixed, family.inside);
@@ -459,20 +476,22 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
 
     /// Looks closer at voxels that are neither certified nor dropped.
     fn look_closer(&mut self, run: &Run, families: &mut [Family]) {
-        let mut open: Vec<(usize, u32)> = Vec::new();
+        let (mut with_trend, mut without) = (Vec::new(), Vec::new());
         for (i, family) in families.iter().enumerate() {
-            open.extend(bits(family.mixed & !family.certified).map(|c| (i, c)));
+            for c in bits(family.mixed & !family.certified) {
+                let has_trend = family.trends[c as usize].is_known();
+                if has_trend { with_trend.push((i, c)) } else { without.push((i, c)) }
+            }
         }
-        self.effort.closer_looks += open.len() as u64;
-        let voxels: Vec<([u32; 3], bool)> = open
-            .iter()
-            .map(|&(i, c)| {
-                let has_trend = families[i].trends[c as usize].is_known();
-                (child_of(run.nodes[i].ijk, c), has_trend)
-            })
-            .collect();
-        let findings = self.closer.look(&run.tape, &voxels, &mut self.effort.gradients);
-        for (&(i, c), finding) in open.iter().zip(findings) {
+        let Effort { closer_looks, gradients, .. } = &mut self.effort;
+        *closer_looks += (with_trend.len() + without.len()) as u64;
+        let places = |open: &[(usize, u32)]| -> Vec<[u32; 3]> {
+            open.iter().map(|&(i, c)| child_of(run.nodes[i].ijk, c)).collect()
+        };
+        let found = self.exact.look_at_whole(&run.tape, &places(&with_trend), gradients);
+        let found_in_parts = self.closer.look_at_parts(&run.tape, &places(&without), gradients);
+        let open = with_trend.into_iter().chain(without);
+        for ((i, c), finding) in open.zip(found.into_iter().chain(found_in_parts)) {
             families[i].conclude(c, finding);
         }
     }
@@ -500,7 +519,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
                 }
                 if is_new {
                     let tape = match group.take() {
-                        Some(Group { choices, .. }) => self.tapes.shortened(&tape, choices),
+                        Some(Group { choices, .. }) => self.tapes.shortened(&tape, &choices),
                         None => tape.clone(),
                     };
                     runs.push(Run { nodes: Vec::new(), tape });

@@ -10,21 +10,21 @@ use crate::expr::{Choice, Tape};
 /// The tapes made so far.
 #[derive(Default)]
 pub(super) struct ShortenedTapes {
-    /// By the address of the tape that was shortened, which is kept alive here, and the outcome.
-    made: FxHashMap<(usize, Vec<Choice>), (Arc<Tape>, Arc<Tape>)>,
+    /// By the address of the tape that was shortened, which is kept alive here, and the outcome,
+    /// as bytes, which are hashed eight at a time.
+    made: FxHashMap<(usize, Vec<u8>), (Arc<Tape>, Arc<Tape>)>,
 }
 
 impl ShortenedTapes {
     /// `tape` where its choices went as given.
-    pub(super) fn shortened(&mut self, tape: &Arc<Tape>, choices: Vec<Choice>) -> Arc<Tape> {
+    pub(super) fn shortened(&mut self, tape: &Arc<Tape>, choices: &[Choice]) -> Arc<Tape> {
         if choices.iter().all(|&choice| choice == Choice::Both) {
             return tape.clone();
         }
-        let address = Arc::as_ptr(tape) as usize;
-        let (_, shortened) =
-            self.made.entry((address, choices)).or_insert_with_key(|(_, choices)| {
-                (tape.clone(), Arc::new(tape.shortened(choices.iter().copied())))
-            });
+        let outcome = choices.iter().map(|&choice| choice as u8).collect();
+        let key = (Arc::as_ptr(tape) as usize, outcome);
+        let make = || (tape.clone(), Arc::new(tape.shortened(choices.iter().copied())));
+        let (_, shortened) = self.made.entry(key).or_insert_with(make);
         shortened.clone()
     }
 

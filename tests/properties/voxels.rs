@@ -273,6 +273,22 @@ fn no_voxel_of_a_partly_defined_formula_is_lost() {
     ]);
 }
 
+/// Certification drops voxels and adds none.
+#[test]
+fn certified_voxels_are_a_part_of_all() {
+    for text in [SCENE_2, "|x| + |y| + |z| = 1", "ln(x) + y^2 = z", "floor(3*x) + y = 0.5"] {
+        let (expr, lattice) = (expr(text), cube(1.1, 64));
+        let by_values = Settings { certify: false, ..Settings::default() };
+        let all = voxelize(&expr, &lattice, &by_values, &Unwatched).unwrap().octree;
+        assert_eq!(all.certified_count(), 0);
+        let certified = run(&expr, &lattice).octree;
+        assert!(certified.certified_count() > 0 && certified.voxel_count() <= all.voxel_count());
+        for part in certified.parts() {
+            certified.visit(part, &mut |voxel| assert!(all.find(voxel.ijk).is_some(), "{text}"));
+        }
+    }
+}
+
 #[test]
 fn no_voxel_is_lost_in_awkward_domains() {
     check_all(&[
