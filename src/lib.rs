@@ -8,7 +8,7 @@
 //! | [`scene`] | a TOML file | a [`Scene`](scene::Scene), or every mistake in the file |
 //! | [`expr`] | the text of a formula or a function graph | a [`Tape`](expr::Tape), a program over few slots |
 //! | [`eval`] | tapes and boxes or points | enclosures, values, gradients, many at a time |
-//! | [`voxelize()`] | a formula and a [`Lattice`](math::Lattice) | an octree of voxels with normals |
+//! | [`voxelize()`] | a formula and a [`Lattice`](math::Lattice) | an octree of voxels with normals and certificates |
 //! | [`raster`] | octrees and a [`Camera`](raster::Camera) | a [`Frame`](raster::Frame) |
 //! | [`output`] | a frame | PNG and EXR |
 //!
@@ -20,8 +20,8 @@
 //! left out is certain:
 //!
 //! ```
-//! use zeroset::{expr, math::{Aabb, Lattice, SimdLevel}, octree::{Occupancy, Storage}};
-//! use zeroset::{progress::Unwatched, voxelize};
+//! use zeroset::{expr, math::{Aabb, Lattice}, octree::{Occupancy, Storage}};
+//! use zeroset::{progress::Unwatched, voxelize, voxelize::Settings};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let ast = expr::parse("x^2 + y^2 + z^2 = 1").map_err(|mistakes| mistakes[0].message.clone())?;
@@ -29,12 +29,13 @@
 //!
 //! let domain = Aabb { min: [-2.0; 3].into(), max: [2.0; 3].into() };
 //! let lattice = Lattice::new(domain, 64);
-//! let found = voxelize(&sphere, &lattice, SimdLevel::detect(), u32::MAX, &Unwatched)?;
+//! let found = voxelize(&sphere, &lattice, &Settings::default(), &Unwatched)?;
 //!
 //! assert_eq!(found.octree.occupancy([32, 32, 32]), Occupancy::Inside);
-//! assert_eq!(found.octree.occupancy([48, 32, 32]), Occupancy::Surface);
+//! assert_eq!(found.octree.occupancy([47, 32, 32]), Occupancy::Surface);
 //! assert_eq!(found.octree.occupancy([60, 32, 32]), Occupancy::Empty);
-//! let rank = found.octree.find([48, 32, 32]).ok_or("the surface passes here")?;
+//! let rank = found.octree.find([47, 32, 32]).ok_or("the surface passes here")?;
+//! assert!(found.octree.is_certified(rank));
 //! assert!(found.octree.normal(rank).decode().x > 0.99);
 //! # Ok(())
 //! # }

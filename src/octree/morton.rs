@@ -291,7 +291,7 @@ mod tests {
             levels.insert(0, level);
         }
         let normals = codes.iter().map(|&code| OctNormal::from_bits(code as u32)).collect();
-        let certified = codes.iter().map(|code| code % 3 == 0);
+        let certified = codes.iter().map(|code| code.is_multiple_of(3));
         let certified = certified.enumerate().filter(|&(_, is)| is).map(|(i, _)| i);
         let mut set = FixedBitSet::with_capacity(codes.len());
         set.extend(certified);
@@ -333,7 +333,7 @@ mod tests {
                 prop_assert_eq!(voxel.rank as usize, rank);
                 prop_assert_eq!(octree.find(voxel.ijk), Some(voxel.rank));
                 prop_assert_eq!(voxel.normal.to_bits() as u64, morton_encode(voxel.ijk));
-                prop_assert_eq!(voxel.certified, morton_encode(voxel.ijk) % 3 == 0);
+                prop_assert_eq!(voxel.certified, morton_encode(voxel.ijk).is_multiple_of(3));
                 prop_assert_eq!(octree.is_certified(voxel.rank), voxel.certified);
             }
             let ijk = crate::math::morton_decode(other);

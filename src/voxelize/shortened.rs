@@ -7,12 +7,17 @@ use rustc_hash::FxHashMap;
 
 use crate::expr::{Choice, Tape};
 
+/// The address of the tape that is shortened, and the outcome, as bytes, which are hashed eight at
+/// a time.
+type Key = (usize, Vec<u8>);
+
+/// A tape, kept alive so that its address stays its own, and what it was shortened to.
+type Shortened = (Arc<Tape>, Arc<Tape>);
+
 /// The tapes made so far.
 #[derive(Default)]
 pub(super) struct ShortenedTapes {
-    /// By the address of the tape that was shortened, which is kept alive here, and the outcome,
-    /// as bytes, which are hashed eight at a time.
-    made: FxHashMap<(usize, Vec<u8>), (Arc<Tape>, Arc<Tape>)>,
+    made: FxHashMap<Key, Shortened>,
 }
 
 impl ShortenedTapes {
