@@ -112,9 +112,9 @@ fn contains<T: Float>(op: Binary, result: Interval<T>, truth: Truth) -> bool {
 
 /// What an operation gives over intervals, and whether it says that it is undefined or
 /// discontinuous.
-type Outcome<T> = (Interval<T>, Notes<bool>);
+pub(crate) type Outcome<T> = (Interval<T>, Notes<bool>);
 
-fn apply_unary<T: Float>(op: Unary, a: Interval<T>) -> Outcome<T> {
+pub(crate) fn apply_unary<T: Float>(op: Unary, a: Interval<T>) -> Outcome<T> {
     let (mut slots, mut notes) = ([[a]], [Notes::clear::<T>(())]);
     op.apply(&mut slots, &mut notes, (0, 0));
     (slots[0][0], notes[0])

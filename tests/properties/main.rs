@@ -8,5 +8,6 @@ mod formulas;
 mod intervals;
 mod levels;
 mod numbers;
+mod precise;
 mod slopes;
 mod voxels;
