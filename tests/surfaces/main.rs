@@ -3,6 +3,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a surface that cannot be parsed is a failure")]
 
+mod lost;
 mod thin;
 
 use std::{collections::BTreeSet, path::Path};
