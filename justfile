@@ -23,3 +23,7 @@ bless-words NAME:
 # Time every stage of the paper's scenes
 bench:
     cargo bench
+
+# Time Fidget at the same work; the tables are for BENCHMARKS.md, and ZEROSET_DATA adds models
+bench-peers *NAMES:
+    RUSTFLAGS="-C target-cpu=native" cargo run --release --locked --manifest-path benches/peers/Cargo.toml -- {{NAMES}}

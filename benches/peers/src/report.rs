@@ -1,0 +1,109 @@
+//! The tables, in Markdown.
+
+use crate::{agreement::Kept, throughput::Throughput, timing::median, tuning::Setting};
+
+/// What was measured on one surface.
+pub struct Outcome {
+    pub name: &'static str,
+    pub setting: Setting,
+    /// Seconds of Zeroset and of Fidget, round by round, for each number of threads.
+    pub times: [[Vec<f64>; 2]; 2],
+    /// Boxes tested by Zeroset and by Fidget.
+    pub n_boxes: [u64; 2],
+    pub kept: Kept,
+    pub throughput: Throughput,
+}
+
+/// Prints all tables.
+pub fn print(outcomes: &[Outcome], threads: [usize; 2]) {
+    println!(
+        "| surface | threads | Zeroset, ms | Fidget, ms | Fidget / Zeroset | Fidget's setting |\n\
+         |---|---|---|---|---|---|"
+    );
+    for outcome in outcomes {
+        for (times, n_threads) in outcome.times.iter().zip(threads) {
+            let [zeroset, fidget] = times;
+            println!(
+                "| {} | {n_threads} | {} | {} | {} | {} |",
+                outcome.name,
+                short(median(zeroset) * 1e3),
+                short(median(fidget) * 1e3),
+                ratio(fidget, zeroset),
+                outcome.setting
+            );
+        }
+    }
+    println!(
+        "\n| surface | voxels kept by both | by Zeroset only | by Fidget only | boxes, Zeroset | \
+         boxes, Fidget | ns a box, Zeroset | ns a box, Fidget |\n|---|---|---|---|---|---|---|---|"
+    );
+    for Outcome { name, times, n_boxes, kept, .. } in outcomes {
+        let ns = |program: usize| median(&times[0][program]) * 1e9 / n_boxes[program] as f64;
+        println!(
+            "| {name} | {} | {} | {} | {} | {} | {} | {} |",
+            grouped(kept.by_both),
+            grouped(kept.by_zeroset),
+            grouped(kept.by_fidget),
+            grouped(n_boxes[0]),
+            grouped(n_boxes[1]),
+            short(ns(0)),
+            short(ns(1)),
+        );
+    }
+    println!(
+        "\n| surface | operations | ns a box, Zeroset | JIT | VM | ns a box and operation, Zeroset | \
+         JIT | ns a gradient, Zeroset | JIT | VM |\n|---|---|---|---|---|---|---|---|---|---|"
+    );
+    for Outcome { name, throughput, .. } in outcomes {
+        let Throughput { n_operations, zeroset, jit, vm } = throughput;
+        println!(
+            "| {name} | {n_operations} | {} | {} | {} | {} | {} | {} | {} | {} |",
+            short(zeroset.box_ns),
+            short(jit.box_ns),
+            short(vm.box_ns),
+            short(zeroset.box_ns / *n_operations as f64),
+            short(jit.box_ns / *n_operations as f64),
+            short(zeroset.gradient_ns),
+            short(jit.gradient_ns),
+            short(vm.gradient_ns),
+        );
+    }
+}
+
+/// The ratios, for the impatient.
+pub fn summary(times: &[[Vec<f64>; 2]; 2]) -> String {
+    let [one, two] = times.each_ref().map(|[zeroset, fidget]| ratio(fidget, zeroset));
+    format!("Fidget takes {one} times Zeroset's time with one thread, {two} with two")
+}
+
+/// The ratio of the medians, with the least and the largest ratio of a round.
+fn ratio(a: &[f64], b: &[f64]) -> String {
+    let rounds = || a.iter().zip(b).map(|(a, b)| a / b);
+    let (least, most) = (rounds().fold(f64::MAX, f64::min), rounds().fold(0.0, f64::max));
+    format!("{} ({} to {})", short(median(a) / median(b)), short(least), short(most))
+}
+
+/// Three digits, but no fewer than before the point.
+fn short(v: f64) -> String {
+    let digits = if v >= 100.0 {
+        0
+    } else if v >= 10.0 {
+        1
+    } else {
+        2
+    };
+    format!("{v:.digits$}")
+}
+
+/// Such as 1,570,112.
+fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
