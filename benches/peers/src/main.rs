@@ -20,16 +20,16 @@ mod report;
 mod throughput;
 mod timing;
 mod tuning;
-mod vm;
 mod workloads;
 
 use std::env;
 
 use rayon::ThreadPool;
 use zeroset::{
-    math::{Lattice, SimdLevel},
+    math::Lattice,
+    octree::Storage as _,
     progress::Unwatched,
-    voxelize::{Voxelization, voxelize},
+    voxelize::{Settings, Voxelization, voxelize},
 };
 
 use report::Outcome;
@@ -57,27 +57,33 @@ fn measure(workload: &Workload, pools: &[ThreadPool; 2]) -> Outcome {
     eprintln!("{name}: timing against {setting}");
     let lattice = workload.lattice(RESOLUTION);
     let fidget = Fidget::new(workload, &lattice);
-    let ours = |pool: &ThreadPool| pool.install(|| time(|| zeroset(workload, &lattice)));
+    let ours =
+        |pool: &ThreadPool, certify| pool.install(|| time(|| zeroset(workload, &lattice, certify)));
     let theirs = |pool: &ThreadPool| pool.install(|| time(|| fidget.run(setting)));
-    let [a, b, c, d] = take_turns([
-        &mut || ours(&pools[0]),
+    let [a, b, c, d, e, f] = take_turns([
+        &mut || ours(&pools[0], true),
+        &mut || ours(&pools[0], false),
         &mut || theirs(&pools[0]),
-        &mut || ours(&pools[1]),
+        &mut || ours(&pools[1], true),
+        &mut || ours(&pools[1], false),
         &mut || theirs(&pools[1]),
     ]);
-    let (voxelization, found) = (zeroset(workload, &lattice), fidget.run(setting));
-    let times = [[a, b], [c, d]];
+    let [certified, by_values] = [true, false].map(|certify| zeroset(workload, &lattice, certify));
+    let found = fidget.run(setting);
+    let times = [[a, b, c], [d, e, f]];
     eprintln!("{name}: {}", report::summary(&times));
     Outcome {
         name,
         setting,
         times,
-        n_boxes: [voxelization.boxes_tested.iter().sum(), found.n_boxes],
-        kept: agreement::compare(&voxelization.octree, &found),
+        n_boxes: [by_values.effort.boxes.iter().sum(), found.n_boxes],
+        n_voxels: [certified.octree.voxel_count(), certified.octree.certified_count()],
+        kept: agreement::compare(&by_values.octree, &found),
         throughput: throughput::measure(workload, &lattice, &fidget, &found),
     }
 }
 
-fn zeroset(workload: &Workload, lattice: &Lattice) -> Voxelization {
-    voxelize(&workload.expr, lattice, SimdLevel::detect(), u32::MAX, &Unwatched).unwrap()
+fn zeroset(workload: &Workload, lattice: &Lattice, certify: bool) -> Voxelization {
+    let settings = Settings { certify, ..Settings::default() };
+    voxelize(&workload.expr, lattice, &settings, &Unwatched).unwrap()
 }

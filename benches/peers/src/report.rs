@@ -6,10 +6,13 @@ use crate::{agreement::Kept, throughput::Throughput, timing::median, tuning::Set
 pub struct Outcome {
     pub name: &'static str,
     pub setting: Setting,
-    /// Seconds of Zeroset and of Fidget, round by round, for each number of threads.
-    pub times: [[Vec<f64>; 2]; 2],
-    /// Boxes tested by Zeroset and by Fidget.
+    /// Seconds of Zeroset with certificates, of Zeroset by values alone, which is Fidget's method,
+    /// and of Fidget, round by round, for each number of threads.
+    pub times: [[Vec<f64>; 3]; 2],
+    /// Boxes tested by Zeroset by values alone, and by Fidget.
     pub n_boxes: [u64; 2],
+    /// Voxels that Zeroset keeps with certificates, and those that it certifies.
+    pub n_voxels: [u32; 2],
     pub kept: Kept,
     pub throughput: Throughput,
 }
@@ -17,30 +20,36 @@ pub struct Outcome {
 /// Prints all tables.
 pub fn print(outcomes: &[Outcome], threads: [usize; 2]) {
     println!(
-        "| surface | threads | Zeroset, ms | Fidget, ms | Fidget / Zeroset | Fidget's setting |\n\
-         |---|---|---|---|---|---|"
+        "| surface | threads | Zeroset, certified, ms | by values, ms | Fidget, ms | \
+         Fidget / certified | Fidget / by values | Fidget's setting |\n\
+         |---|---|---|---|---|---|---|---|"
     );
     for outcome in outcomes {
         for (times, n_threads) in outcome.times.iter().zip(threads) {
-            let [zeroset, fidget] = times;
+            let [certified, by_values, fidget] = times;
             println!(
-                "| {} | {n_threads} | {} | {} | {} | {} |",
+                "| {} | {n_threads} | {} | {} | {} | {} | {} | {} |",
                 outcome.name,
-                short(median(zeroset) * 1e3),
+                short(median(certified) * 1e3),
+                short(median(by_values) * 1e3),
                 short(median(fidget) * 1e3),
-                ratio(fidget, zeroset),
+                ratio(fidget, certified),
+                ratio(fidget, by_values),
                 outcome.setting
             );
         }
     }
     println!(
-        "\n| surface | voxels kept by both | by Zeroset only | by Fidget only | boxes, Zeroset | \
-         boxes, Fidget | ns a box, Zeroset | ns a box, Fidget |\n|---|---|---|---|---|---|---|---|"
+        "\n| surface | voxels, Zeroset, certified | of them proven | voxels by values, kept by both | \
+         by Zeroset only | by Fidget only | boxes, Zeroset | boxes, Fidget | ns a box, Zeroset | \
+         ns a box, Fidget |\n|---|---|---|---|---|---|---|---|---|---|"
     );
-    for Outcome { name, times, n_boxes, kept, .. } in outcomes {
-        let ns = |program: usize| median(&times[0][program]) * 1e9 / n_boxes[program] as f64;
+    for Outcome { name, times, n_boxes, n_voxels, kept, .. } in outcomes {
+        let ns = |program: usize| median(&times[0][program + 1]) * 1e9 / n_boxes[program] as f64;
         println!(
-            "| {name} | {} | {} | {} | {} | {} | {} | {} |",
+            "| {name} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
+            grouped(n_voxels[0].into()),
+            grouped(n_voxels[1].into()),
             grouped(kept.by_both),
             grouped(kept.by_zeroset),
             grouped(kept.by_fidget),
@@ -71,9 +80,11 @@ pub fn print(outcomes: &[Outcome], threads: [usize; 2]) {
 }
 
 /// The ratios, for the impatient.
-pub fn summary(times: &[[Vec<f64>; 2]; 2]) -> String {
-    let [one, two] = times.each_ref().map(|[zeroset, fidget]| ratio(fidget, zeroset));
-    format!("Fidget takes {one} times Zeroset's time with one thread, {two} with two")
+pub fn summary(times: &[[Vec<f64>; 3]; 2]) -> String {
+    let [one, two] = times.each_ref().map(|[certified, by_values, fidget]| {
+        format!("{}, by values {}", ratio(fidget, certified), ratio(fidget, by_values))
+    });
+    format!("Fidget takes {one} times Zeroset's time with one thread; with two {two}")
 }
 
 /// The ratio of the medians, with the least and the largest ratio of a round.

@@ -85,7 +85,7 @@ impl SimdTask for Turns<'_> {
         let points: Vec<Points> = voxels.chunks(POINT_BATCH).map(|v| points(lattice, v)).collect();
         let zeroset_boxes = || {
             for batch in &boxes {
-                black_box(box_evaluator.eval(&tape, batch, false));
+                black_box(box_evaluator.eval(&tape, batch, BATCH, false));
             }
         };
         let zeroset_gradients = || {

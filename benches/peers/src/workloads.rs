@@ -12,8 +12,6 @@ use zeroset::{
     scene,
 };
 
-use crate::vm;
-
 /// A surface for both programs.
 pub struct Workload {
     /// For the tables.
@@ -58,7 +56,7 @@ impl Workload {
     fn model(name: &'static str, path: &Path) -> Self {
         let text = fs::read_to_string(path).unwrap();
         let (context, root) = Context::from_text(text.as_bytes()).unwrap();
-        Self { name, expr: vm::read(&text), context, root, domain: cube(1.0) }
+        Self { name, expr: Expr::from_vm(&text).unwrap(), context, root, domain: cube(1.0) }
     }
 
     /// The part of a prism along z that lies in |z| <= `half_height`.
