@@ -5,8 +5,8 @@
 //!
 //! Rounding is always to nearest; a bound c that went through one rounding is moved outwards by
 //! φ|c| + η with φ a little above the unit roundoff and η the smallest positive number, which is
-//! at least the rounding error, underflow included. Negation, absolute value, minimum and maximum
-//! are exact and move nothing.
+//! at least the rounding error, underflow included. Sums, which do not underflow, are moved by 2u|c|,
+//! so that 0 stays 0. Negation, absolute value, minimum and maximum are exact and move nothing.
 //!
 //! *Based on:* S. Rump, P. Zimmermann, S. Boldo, G. Melquiond, "Computing predecessor and
 //! successor in rounding to nearest", BIT 2009, section 3; IEEE 1788-2015 for what an operation
@@ -65,6 +65,29 @@ fn lower<L: Lanes>(c: L) -> L {
 #[inline(always)]
 fn upper<L: Lanes>(c: L) -> L {
     upper_by(c, 1.0)
+}
+
+/// How far the bound of a sum moves. Sums do not underflow: one below 2/u smallest numbers is exact,
+/// so 0 stays 0, and a sum of squares does not fall below it. Above, twice the unit roundoff is more
+/// than half the distance to the next number, even where this product is itself rounded to a
+/// whole number of smallest numbers.
+#[inline(always)]
+fn sum_margin<L: Lanes>(c: L) -> L {
+    c.abs() * c.same(2.0 * L::Scalar::UNIT)
+}
+
+/// A lower bound of a sum whose computed form is c.
+#[inline(always)]
+fn lower_sum<L: Lanes>(c: L) -> L {
+    let c = c.min(c.same(L::Scalar::MAX));
+    c - sum_margin(c)
+}
+
+/// An upper bound of a sum whose computed form is c.
+#[inline(always)]
+fn upper_sum<L: Lanes>(c: L) -> L {
+    let c = c.max(c.same(-L::Scalar::MAX));
+    c + sum_margin(c)
 }
 
 /// A bound not below what c is the rounded form of.
@@ -161,12 +184,12 @@ impl<L: Lanes> Number for Interval<L> {
 
     #[inline(always)]
     fn add(self, b: Self) -> Self {
-        Self { lo: lower(self.lo + b.lo), hi: upper(self.hi + b.hi) }
+        Self { lo: lower_sum(self.lo + b.lo), hi: upper_sum(self.hi + b.hi) }
     }
 
     #[inline(always)]
     fn sub(self, b: Self) -> Self {
-        Self { lo: lower(self.lo - b.hi), hi: upper(self.hi - b.lo) }
+        Self { lo: lower_sum(self.lo - b.hi), hi: upper_sum(self.hi - b.lo) }
     }
 
     /// The hull of the four products of bounds. 0·∞ is NaN and means 0; `min` and `max` step over

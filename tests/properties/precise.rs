@@ -78,7 +78,10 @@ fn check<T: Float>(v: T, constants: &mut Consts) -> Result<(), TestCaseError> {
     for function in FUNCTIONS {
         if let Some(truth) = truth(function, v.to_f64(), constants) {
             let (range, _) = apply_unary(function, Interval { lo: v, hi: v });
-            prop_assert!(holds(range, &truth), "{function:?} of {v:?} is {truth}, not in {range:?}");
+            prop_assert!(
+                holds(range, &truth),
+                "{function:?} of {v:?} is {truth}, not in {range:?}"
+            );
         }
     }
     Ok(())
