@@ -36,7 +36,7 @@ const MOST: &[(&str, f64)] = &[
     ("trefoil_knot", 13.0),
 ];
 
-/// Counts the stored voxels that show both signs, and the certified ones that do not.
+/// Counts the stored voxels that show both signs.
 struct Count<'a> {
     tape: &'a Tape,
     lattice: &'a Lattice,
