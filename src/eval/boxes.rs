@@ -161,14 +161,29 @@ pub(super) fn load<L: Lanes, const G: usize>(
 ) -> [Slot<Interval<L>, G>; 3] {
     let zero = Interval::point(L::splat(token, L::Scalar::default()));
     let mut inputs = [[zero; G]; 3];
-    for axis in 0..3 {
-        for g in 0..G {
-            let lo = L::load(token, &boxes.lo[axis][g * L::LEN..]);
-            let hi = L::load(token, &boxes.hi[axis][g * L::LEN..]);
-            inputs[axis][g] = Interval { lo, hi };
+    for g in 0..G {
+        let vectors = load_vectors(token, boxes, g * L::LEN);
+        for axis in 0..3 {
+            inputs[axis][g] = vectors[axis];
         }
     }
     inputs
+}
+
+/// One vector of boxes, from the box `first`.
+#[inline(always)]
+pub(super) fn load_vectors<L: Lanes>(
+    token: L::Token,
+    boxes: &Boxes<L::Scalar>,
+    first: usize,
+) -> [Interval<L>; 3] {
+    let mut vectors = [Interval::point(L::splat(token, L::Scalar::default())); 3];
+    for axis in 0..3 {
+        let lo = L::load(token, &boxes.lo[axis][first..]);
+        let hi = L::load(token, &boxes.hi[axis][first..]);
+        vectors[axis] = Interval { lo, hi };
+    }
+    vectors
 }
 
 /// What the ranges of F and of the region tell, with what was noted on the way.

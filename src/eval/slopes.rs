@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 
 use super::{
     BATCH, BoxEvaluator, Boxes, Machine, Verdict,
-    boxes::{load, verdict},
+    boxes::{load, load_vectors, verdict},
 };
 use crate::{
     expr::Tape,
@@ -14,34 +14,37 @@ use crate::{
 /// What gradients prove of each box; bit i is box i.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SlopeVerdict {
-    /// What [`BoxEvaluator::eval`] says, sharpened by the mean value form.
+    /// What [`BoxEvaluator::eval`] says, which [`SlopeEvaluator::eval`] sharpens.
     pub verdict: Verdict,
-    /// The surface passes through: F is continuous and has both signs in the box.
-    pub crossed: u64,
     /// F is continuous and does not fall along x, y or z.
     pub rising: [u64; 3],
     /// F is continuous and does not rise along x, y or z.
     pub falling: [u64; 3],
+    /// The surface passes through: F is continuous and has both signs in the box. Only
+    /// [`SlopeEvaluator::eval`] tells.
+    pub crossed: u64,
 }
 
 /// Evaluates gradients of tapes over boxes, with G vectors of type L; `G * L::LEN` is [`BATCH`].
 pub struct SlopeEvaluator<L: Lanes, const G: usize> {
     token: L::Token,
     machine: Machine<Dual<Interval<L>>, G>,
+    /// The slopes along each axis.
+    slopes: Boxes<L::Scalar>,
     /// Where F is least and largest; see [`MeanValue`].
     low: Boxes<L::Scalar>,
     high: Boxes<L::Scalar>,
-    /// The largest slope along each axis.
-    steepest: [[L::Scalar; BATCH]; 3],
+    /// How far F may leave its values there.
+    spread: [L::Scalar; BATCH],
 }
 
 impl<S: Simd, L: Lanes<Token = S>, const G: usize> SlopeEvaluator<L, G> {
     /// An evaluator for the instruction set of `token`.
     pub fn new(token: S) -> Self {
         const { assert!(G * L::LEN == BATCH, "the vectors of a slot hold one batch") };
-        let (low, high) = (Boxes::default(), Boxes::default());
-        let steepest = [[L::Scalar::default(); BATCH]; 3];
-        Self { token, machine: Machine::default(), low, high, steepest }
+        let machine = Machine::default();
+        let [slopes, low, high] = [(); 3].map(|()| Boxes::default());
+        Self { token, machine, slopes, low, high, spread: [L::Scalar::default(); BATCH] }
     }
 
     /// Evaluates the value and the gradient of `tape` over the first `n` boxes, and, with `values`,
@@ -55,17 +58,17 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> SlopeEvaluator<L, G> {
         inner: &Boxes<L::Scalar>,
         n: usize,
     ) -> SlopeVerdict {
-        let mut spread = [L::Scalar::default(); BATCH];
-        let mut found = self.gradients(tape, outer, inner, n, &mut spread);
+        let mut found = self.gradients(tape, outer, n);
+        self.find_mean_values(outer, inner, n);
         let low = values.ranges(tape, &self.low, n);
         let high = values.ranges(tape, &self.high, n);
         let zero = L::Scalar::default();
         let verdict = &mut found.verdict;
         for i in (0..n).filter(|i| verdict.continuous >> i & 1 == 1) {
             let bit = 1 << i;
-            if spread[i] < low.lo[i] {
+            if self.spread[i] < low.lo[i] {
                 verdict.empty |= bit;
-            } else if high.hi[i].to_f64() < -spread[i].to_f64() {
+            } else if high.hi[i].to_f64() < -self.spread[i].to_f64() {
                 verdict.negative |= bit;
             } else if low.hi[i] < zero && zero < high.lo[i] {
                 found.crossed |= bit;
@@ -74,26 +77,28 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> SlopeEvaluator<L, G> {
         found
     }
 
-    /// The largest absolute slopes over a box of the last batch; bounds, and +∞ if unknown.
-    pub fn steepest(&self, lane: usize) -> [f64; 3] {
-        [0, 1, 2].map(|axis| self.steepest[axis][lane].to_f64())
+    /// Bounds of the slopes along each axis over the boxes of the last batch; infinite if unknown,
+    /// and meaningless where F is not continuous.
+    pub fn slopes(&self) -> &Boxes<L::Scalar> {
+        &self.slopes
     }
 
-    fn gradients(
-        &mut self,
-        tape: &Tape,
-        outer: &Boxes<L::Scalar>,
-        inner: &Boxes<L::Scalar>,
-        n: usize,
-        spread: &mut [L::Scalar; BATCH],
-    ) -> SlopeVerdict {
-        let Self { token, machine, low, high, steepest } = self;
+    /// The largest absolute slopes over a box of the last batch; bounds, and +∞ if unknown.
+    pub fn steepest(&self, lane: usize) -> [f64; 3] {
+        let Boxes { lo, hi } = &self.slopes;
+        [0, 1, 2].map(|axis| lo[axis][lane].to_f64().abs().max(hi[axis][lane].to_f64().abs()))
+    }
+
+    /// Evaluates the value and the gradient of `tape` over the first `n` boxes, for
+    /// [`SlopeEvaluator::slopes`].
+    #[inline(never)]
+    pub fn gradients(&mut self, tape: &Tape, boxes: &Boxes<L::Scalar>, n: usize) -> SlopeVerdict {
+        let Self { token, machine, slopes, .. } = self;
         token.vectorize(
             #[inline(always)]
             || {
                 let n_vectors = n.div_ceil(L::LEN);
-                let bounds = load::<L, G>(*token, outer);
-                let within = load::<L, G>(*token, inner);
+                let bounds = load::<L, G>(*token, boxes);
                 let mut inputs = [[Dual::constant(*token, &Constant::exact(0.0)); G]; 3];
                 for axis in 0..3 {
                     for g in 0..G {
@@ -114,26 +119,18 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> SlopeEvaluator<L, G> {
                 let verdict = verdict(&range, region, &notes[..n_vectors]);
                 let mut found =
                     SlopeVerdict { verdict, crossed: 0, rising: [0; 3], falling: [0; 3] };
+                let zero = L::splat(*token, L::Scalar::default());
                 for g in 0..n_vectors {
                     let first = g * L::LEN;
-                    let of_box = [bounds[0][g], bounds[1][g], bounds[2][g]];
-                    let within = [within[0][g], within[1][g], within[2][g]];
-                    let mut gradient = result[g].gradient;
                     for axis in 0..3 {
+                        let mut slope = result[g].gradient[axis];
                         if !tape.depends_on(axis) {
-                            gradient[axis] = Interval::point(of_box[0].lo.same(0.0));
+                            slope = Interval::point(zero);
                         }
-                    }
-                    let form = MeanValue::new(&of_box, &within, &gradient);
-                    form.spread.store(&mut spread[first..]);
-                    for axis in 0..3 {
-                        form.low[axis].lo.store(&mut low.lo[axis][first..]);
-                        form.low[axis].hi.store(&mut low.hi[axis][first..]);
-                        form.high[axis].lo.store(&mut high.lo[axis][first..]);
-                        form.high[axis].hi.store(&mut high.hi[axis][first..]);
-                        gradient[axis].magnitudes().1.store(&mut steepest[axis][first..]);
-                        let of_axis = [form.rising[axis].bits(), form.falling[axis].bits()];
-                        let [rising, falling] = of_axis.map(|bits| bits << first);
+                        slope.lo.store(&mut slopes.lo[axis][first..]);
+                        slope.hi.store(&mut slopes.hi[axis][first..]);
+                        let rising = zero.le(slope.lo).bits() << first;
+                        let falling = slope.hi.le(zero).bits() << first;
                         found.rising[axis] |= rising & verdict.continuous;
                         found.falling[axis] |= falling & verdict.continuous;
                     }
@@ -141,5 +138,29 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> SlopeEvaluator<L, G> {
                 found
             },
         )
+    }
+
+    /// The mean value forms of the first `n` boxes, whose gradients were found.
+    #[inline(never)]
+    fn find_mean_values(&mut self, outer: &Boxes<L::Scalar>, inner: &Boxes<L::Scalar>, n: usize) {
+        let Self { token, slopes, low, high, spread, .. } = self;
+        token.vectorize(
+            #[inline(always)]
+            || {
+                for first in (0..n).step_by(L::LEN) {
+                    let outer = load_vectors::<L>(*token, outer, first);
+                    let inner = load_vectors(*token, inner, first);
+                    let slopes = load_vectors(*token, slopes, first);
+                    let form = MeanValue::new(&outer, &inner, &slopes);
+                    form.spread.store(&mut spread[first..]);
+                    for axis in 0..3 {
+                        form.low[axis].lo.store(&mut low.lo[axis][first..]);
+                        form.low[axis].hi.store(&mut low.hi[axis][first..]);
+                        form.high[axis].lo.store(&mut high.lo[axis][first..]);
+                        form.high[axis].hi.store(&mut high.hi[axis][first..]);
+                    }
+                }
+            },
+        );
     }
 }

@@ -36,6 +36,7 @@ pub struct Lattice {
     depth: u32,
     voxel_size: f64,
     corners: [Vec<f64>; 3],
+    centers: [Vec<f64>; 3],
 }
 
 impl Lattice {
@@ -62,13 +63,15 @@ impl Lattice {
             ((n - n * 1e-12).ceil() as u32).clamp(1, resolution)
         });
         let half = 0.5 * voxel_size;
-        let corners = [0, 1, 2].map(|axis| {
+        let corners: [Vec<f64>; 3] = [0, 1, 2].map(|axis| {
             let n = i64::from(n_voxels[axis]);
             (0..=n).map(|i| center[axis] + (2 * i - n) as f64 * half).collect()
         });
+        let middles = |planes: &Vec<f64>| planes.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
+        let centers = corners.each_ref().map(middles);
         let depth =
-            n_voxels.iter().fold(1, |depth: u32, n| depth.max(n.next_power_of_two().ilog2()));
-        Self { n_voxels, depth, voxel_size, corners }
+            n_voxels.iter().fold(2, |depth: u32, n| depth.max(n.next_power_of_two().ilog2()));
+        Self { n_voxels, depth, voxel_size, corners, centers }
     }
 
     /// Voxels along each axis.
@@ -77,7 +80,7 @@ impl Lattice {
         self.n_voxels
     }
 
-    /// Levels of the octree below its root, at least 1: the least with `2^depth` at least every
+    /// Levels of the octree below its root, at least 2: the least with `2^depth` at least every
     /// count.
     #[must_use]
     pub fn depth(&self) -> u32 {
@@ -98,11 +101,14 @@ impl Lattice {
     }
 
     /// Centre of a voxel.
+    ///
+    /// # Panics
+    /// If the voxel is not in the lattice.
+    #[inline]
     #[must_use]
     pub fn voxel_center(&self, ijk: [u32; 3]) -> DVec3 {
-        let mid =
-            |axis: usize| 0.5 * (self.corner(axis, ijk[axis]) + self.corner(axis, ijk[axis] + 1));
-        DVec3::new(mid(0), mid(1), mid(2))
+        let [x, y, z] = &self.centers;
+        DVec3::new(x[ijk[0] as usize], y[ijk[1] as usize], z[ijk[2] as usize])
     }
 
     /// The box that all voxels together fill.

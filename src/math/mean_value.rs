@@ -30,10 +30,6 @@ pub struct MeanValue<L: Lanes> {
     pub high: [Interval<L>; 3],
     /// How far F may leave the values at those points; +∞ if nothing is known.
     pub spread: L,
-    /// The lanes where F does not fall along an axis.
-    pub rising: [L::Mask; 3],
-    /// The lanes where F does not rise along an axis.
-    pub falling: [L::Mask; 3],
 }
 
 impl<L: Lanes> MeanValue<L> {
@@ -47,9 +43,7 @@ impl<L: Lanes> MeanValue<L> {
         gradient: &[Interval<L>; 3],
     ) -> Self {
         let zero = outer[0].lo.same(0.0);
-        let none = L::splat_mask(zero.token(), false);
-        let mut form =
-            Self { low: *outer, high: *outer, spread: zero, rising: [none; 3], falling: [none; 3] };
+        let mut form = Self { low: *outer, high: *outer, spread: zero };
         for axis in 0..3 {
             let (x, slope) = (outer[axis], gradient[axis]);
             let (rising, falling) = (zero.le(slope.lo), slope.hi.le(zero));
@@ -63,7 +57,6 @@ impl<L: Lanes> MeanValue<L> {
             let middle = Interval::point(middle);
             form.low[axis] = pick(rising, first, pick(falling, last, middle));
             form.high[axis] = pick(rising, last, pick(falling, first, middle));
-            (form.rising[axis], form.falling[axis]) = (rising, falling);
         }
         form
     }

@@ -44,6 +44,15 @@ impl LevelMasks {
         self.inside.push(inside);
     }
 
+    /// All nodes, in memory of just their size; none is left.
+    #[must_use]
+    pub fn take(&mut self) -> Self {
+        let taken = self.clone();
+        self.mixed.clear();
+        self.inside.clear();
+        taken
+    }
+
     /// Adds the nodes of another part of the same level, which follow in Morton order.
     pub fn append(&mut self, mut next: Self) {
         self.mixed.append(&mut next.mixed);
@@ -55,31 +64,40 @@ impl LevelMasks {
     #[must_use]
     pub fn settle(&mut self, children: &[NodeState]) -> Vec<NodeState> {
         let mut children = children.iter();
-        let mut states = Vec::with_capacity(self.len());
-        let mut kept = 0;
-        for i in 0..self.len() {
-            let (mut mixed, mut inside) = (self.mixed[i], self.inside[i]);
-            for bit in bits(self.mixed[i]) {
+        for (mixed, inside) in self.mixed.iter_mut().zip(&mut self.inside) {
+            for bit in bits(*mixed) {
                 match children.next() {
                     Some(NodeState::Mixed) | None => {}
-                    Some(NodeState::Empty) => mixed &= !(1 << bit),
+                    Some(NodeState::Empty) => *mixed &= !(1 << bit),
                     Some(NodeState::Inside) => {
-                        mixed &= !(1 << bit);
-                        inside |= 1 << bit;
+                        *mixed &= !(1 << bit);
+                        *inside |= 1 << bit;
                     }
                 }
             }
-            states.push(match (mixed, inside) {
-                (0, 0) => NodeState::Empty,
-                (0, 0xff) => NodeState::Inside,
-                _ => NodeState::Mixed,
-            });
-            if states[i] == NodeState::Mixed {
-                self.mixed[kept] = mixed;
-                self.inside[kept] = inside;
-                kept += 1;
-            }
         }
+        self.settle_above_voxels()
+    }
+
+    /// The same for nodes whose children are voxels, which are what their masks say.
+    #[must_use]
+    pub fn settle_above_voxels(&mut self) -> Vec<NodeState> {
+        let mut kept = 0;
+        let states = (0..self.len())
+            .map(|i| {
+                let masks = (self.mixed[i], self.inside[i]);
+                // Written without a branch, and kept only if the next one goes elsewhere.
+                (self.mixed[kept], self.inside[kept]) = masks;
+                match masks {
+                    (0, 0) => NodeState::Empty,
+                    (0, 0xff) => NodeState::Inside,
+                    _ => {
+                        kept += 1;
+                        NodeState::Mixed
+                    }
+                }
+            })
+            .collect();
         self.mixed.truncate(kept);
         self.inside.truncate(kept);
         states

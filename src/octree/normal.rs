@@ -27,8 +27,8 @@ impl OctNormal {
     #[must_use]
     pub fn steps<L: Lanes<Scalar = f64>>([x, y, z]: [L; 3]) -> [L; 2] {
         let (zero, one) = (x.same(0.0), x.same(1.0));
-        let size = x.abs() + y.abs() + z.abs();
-        let (x, y, z) = (x / size, y / size, z / size);
+        let scale = one / (x.abs() + y.abs() + z.abs());
+        let (x, y, z) = (x * scale, y * scale, z * scale);
         let folded = [one - y.abs(), one - x.abs()];
         let folded = [
             L::pick(zero.le(x), folded[0], -folded[0]),
@@ -46,8 +46,8 @@ impl OctNormal {
     #[inline(always)]
     #[must_use]
     pub fn from_steps(steps: [f64; 2]) -> Self {
-        let [a, b] = steps.map(|step| u32::from((step as i16) as u16));
-        Self(a | b << 16)
+        let [a, b] = steps;
+        Self(u32::from(a as i16 as u16) | u32::from(b as i16 as u16) << 16)
     }
 
     /// Decodes to a unit vector.

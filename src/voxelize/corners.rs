@@ -82,6 +82,17 @@ impl<T: Scalar> Corners<T> {
         }
     }
 
+    /// Writes the box from corner `first` of the lattice, of the given edge in voxels, to one lane.
+    #[inline(always)]
+    pub(super) fn write_box(&self, boxes: &mut Boxes<T>, lane: usize, first: [u32; 3], edge: u32) {
+        for axis in 0..3 {
+            let n = self.n_voxels[axis];
+            let last = (first[axis] + edge).min(n);
+            boxes.lo[axis][lane] = self.below[axis][first[axis].min(n) as usize];
+            boxes.hi[axis][lane] = self.above[axis][last as usize];
+        }
+    }
+
     /// The bounds of a plane.
     pub(super) fn plane(&self, axis: usize, index: u32) -> [T; 2] {
         let i = index.min(self.n_voxels[axis]) as usize;

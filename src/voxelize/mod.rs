@@ -10,7 +10,10 @@
 //! *Based on:* N. Stolte, A. Kaufman, "Parallel Spatial Enumeration of Implicit Surfaces using
 //! Interval Arithmetic for Octree Generation and its Direct Visualization", 1998, sections 2 to 4.
 
+mod affine;
 mod bounds;
+mod brick;
+mod bricks;
 mod closer;
 mod closer_points;
 mod corners;
@@ -206,11 +209,12 @@ fn assemble(found: Found, frontier: u32, depth: u32) -> (MortonOctree, Vec<u32>)
     let n_voxels = subtrees.iter().map(|s| s.normals.len()).sum();
     let mut normals = Vec::with_capacity(n_voxels);
     let mut certified = FixedBitSet::with_capacity(n_voxels);
+    certified.insert_range(..);
     let mut missing = Vec::new();
     for mut subtree in subtrees {
         missing.extend(subtree.missing_normals.iter().map(|&i| i + normals.len() as u32));
-        for (i, &is_certified) in subtree.certified.iter().enumerate() {
-            certified.set(normals.len() + i, is_certified);
+        for &i in &subtree.candidates {
+            certified.remove(normals.len() + i as usize);
         }
         normals.append(&mut subtree.normals);
         for (level, part) in levels[frontier as usize..].iter_mut().zip(subtree.levels) {

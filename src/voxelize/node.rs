@@ -13,15 +13,6 @@ pub(super) enum Finding {
     Inside,
 }
 
-/// An octant that may meet the surface.
-#[derive(Clone, Copy)]
-pub(super) struct Node {
-    /// Its place, in nodes of its level.
-    pub(super) ijk: [u32; 3],
-    /// How F runs through it.
-    pub(super) trend: Trend,
-}
-
 /// Along which axes F falls in an octant in which it is continuous and monotone along all three:
 /// then its range is that between two opposite corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,33 +61,11 @@ pub(super) struct Family {
     pub(super) inside: u8,
     /// F is continuous, and the tape's region holds the child.
     pub(super) regular: u8,
-    /// The surface provably passes through.
-    pub(super) certified: u8,
-    /// How F runs through each.
-    pub(super) trends: [Trend; 8],
 }
 
 impl Family {
     /// Nothing found yet.
-    pub(super) const EMPTY: Self =
-        Self { mixed: 0, inside: 0, regular: 0, certified: 0, trends: [Trend::UNKNOWN; 8] };
-
-    /// The children of which gradients or corners may tell more. A child with a trend has told
-    /// everything; until gradients are looked at, all have the trend of their parent or none.
-    #[inline(always)]
-    pub(super) fn open(&self) -> u8 {
-        if self.trends[0].is_known() { 0 } else { self.mixed & self.regular & !self.certified }
-    }
-
-    /// Notes what a closer look at child `c` found.
-    pub(super) fn conclude(&mut self, c: u32, finding: Finding) {
-        match finding {
-            Finding::Candidate => {}
-            Finding::Certified => self.certified |= 1 << c,
-            Finding::Empty => self.drop(c, false),
-            Finding::Inside => self.drop(c, true),
-        }
-    }
+    pub(super) const EMPTY: Self = Self { mixed: 0, inside: 0, regular: 0 };
 
     /// Child `c` was found to have no surface.
     pub(super) fn drop(&mut self, c: u32, is_inside: bool) {

@@ -26,50 +26,67 @@ impl<'a, S: Simd> NormalFinder<'a, S> {
     }
 
     /// Adds the normals of `voxels`.
-    pub(super) fn find(&mut self, tape: &Tape, voxels: &[[u32; 3]]) {
+    pub(super) fn find(&mut self, tape: &Tape, voxels: impl IntoIterator<Item = [u32; 3]>) {
         let mut centers: Points = [[0.0; POINT_BATCH]; 3];
-        for batch in voxels.chunks(POINT_BATCH) {
-            for (lane, &ijk) in batch.iter().enumerate() {
-                let center = self.lattice.voxel_center(ijk);
-                (0..3).for_each(|axis| centers[axis][lane] = center[axis]);
-            }
-            let gradients = self.evaluator.eval(tape, &centers);
-            let ([a, b], usable) = steps(self.simd, &gradients);
-            for lane in 0..batch.len() {
-                if usable >> lane & 1 == 0 {
-                    self.missing.push(self.normals.len() as u32);
-                }
-                self.normals.push(OctNormal::from_steps([a[lane], b[lane]]));
+        let mut n = 0;
+        for ijk in voxels {
+            let center = self.lattice.voxel_center(ijk);
+            (centers[0][n], centers[1][n], centers[2][n]) = (center.x, center.y, center.z);
+            n += 1;
+            if n == POINT_BATCH {
+                self.add(tape, &centers, n);
+                n = 0;
             }
         }
+        if n > 0 {
+            self.add(tape, &centers, n);
+        }
+    }
+
+    /// Adds the normals at the first `n` of `centers`.
+    fn add(&mut self, tape: &Tape, centers: &Points, n: usize) {
+        let gradients = self.evaluator.eval(tape, centers);
+        let (normals, usable) = normals(self.simd, &gradients);
+        let missing = (0..n).filter(|lane| usable >> lane & 1 == 0);
+        self.missing.extend(missing.map(|lane| (self.normals.len() + lane) as u32));
+        self.normals.extend_from_slice(&normals[..n]);
+    }
+
+    /// The number of normals found since they were taken.
+    pub(super) fn len(&self) -> usize {
+        self.normals.len()
     }
 
     /// The normals found since the last call, and the places of those without a usable gradient.
     pub(super) fn take(&mut self) -> (Vec<OctNormal>, Vec<u32>) {
-        (std::mem::take(&mut self.normals), std::mem::take(&mut self.missing))
+        let normals = self.normals.clone();
+        self.normals.clear();
+        (normals, std::mem::take(&mut self.missing))
     }
 }
 
-/// The directions of a batch of vectors as [`OctNormal::steps`], and the lanes that have one, as
-/// bits; the others are +z.
-fn steps<S: Simd>(simd: S, vectors: &Points) -> ([[f64; POINT_BATCH]; 2], u64) {
+/// The directions of a batch of vectors, and the lanes that have one, as bits; the others are +z.
+fn normals<S: Simd>(simd: S, vectors: &Points) -> ([OctNormal; POINT_BATCH], u64) {
     simd.vectorize(
         #[inline(always)]
         || {
             let mut steps = [[0.0; POINT_BATCH]; 2];
             let mut usable = 0;
             for first in (0..POINT_BATCH).step_by(f64x8::<S>::LEN) {
-                let [x, y, z] = [0, 1, 2].map(
-                    #[inline(always)]
-                    |axis| f64x8::load(simd, &vectors[axis][first..]),
-                );
+                let x = f64x8::load(simd, &vectors[0][first..]);
+                let y = f64x8::load(simd, &vectors[1][first..]);
+                let z = f64x8::load(simd, &vectors[2][first..]);
                 let (direction, is_usable) = direction([x, y, z]);
                 let [a, b] = OctNormal::steps(direction);
                 a.store(&mut steps[0][first..]);
                 b.store(&mut steps[1][first..]);
                 usable |= is_usable.bits() << first;
             }
-            (steps, usable)
+            let mut normals = [OctNormal::from_bits(0); POINT_BATCH];
+            for lane in 0..POINT_BATCH {
+                normals[lane] = OctNormal::from_steps([steps[0][lane], steps[1][lane]]);
+            }
+            (normals, usable)
         },
     )
 }
@@ -83,10 +100,11 @@ fn direction<L: Lanes<Scalar = f64>>([x, y, z]: [L; 3]) -> ([L; 3], L::Mask) {
     let is_finite = x.abs().le(largest) & y.abs().le(largest) & z.abs().le(largest);
     let size = x.abs().max(y.abs()).max(z.abs());
     let usable = is_finite & size.gt(x.same(f64::MIN_POSITIVE / f64::EPSILON));
+    let quarter = x.same(0.25);
     let scaled = [
-        L::pick(usable, x / size, zero),
-        L::pick(usable, y / size, zero),
-        L::pick(usable, z / size, one),
+        L::pick(usable, x * quarter, zero),
+        L::pick(usable, y * quarter, zero),
+        L::pick(usable, z * quarter, one),
     ];
     (scaled, usable)
 }

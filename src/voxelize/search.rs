@@ -5,29 +5,23 @@
 //! decided them alike, and every run goes on with its own shortened tape. Runs are searched one
 //! after the other, so that every level is still written in Morton order.
 //!
-//! The last levels are searched block by block, 32³ voxels each, with three more tests:
-//!
-//! - *Slopes.* The gradient over a node may show that F is not 0 there though its value does not,
-//!   or that F is monotone along all three axes.
-//! - *Trends.* Where F is monotone its range over any part is that between two corners: no more
-//!   intervals over boxes are needed below, and what the signs at the corners say is exact.
-//! - *Corners.* F is continuous in a voxel and has both signs at its corners: the surface provably
-//!   passes through.
-//!
-//! What is left open is looked at more closely; see `closer`.
+//! Blocks of 32³ voxels are searched with their gradients too: the slopes of F over a node may show
+//! that F is not 0 there though its value does not. The last two levels are searched together; see
+//! `bricks`.
 
 use std::sync::Arc;
 
 use fearless_simd::Simd;
 
 use super::{
+    affine::AffineBounds,
+    brick::BRICK_LEVELS,
     closer::{CloserLook, ExactLook},
-    closer_points::{KnownSlopes, look_at_points},
     corners::Corners,
-    node::{Family, Node, Trend},
+    node::Family,
     normals::NormalFinder,
     shortened::ShortenedTapes,
-    signs::{BLOCK_LEVELS, CornerSigns, Signs, steps_to, steps_to_children},
+    signs::{BLOCK_LEVELS, CornerSigns},
 };
 use crate::{
     eval::{BATCH, BoxEvaluator, Boxes, SlopeEvaluator},
@@ -38,19 +32,19 @@ use crate::{
 
 /// Nodes of one level, in Morton order, that share a tape.
 pub(super) struct Run {
-    nodes: Vec<Node>,
-    tape: Arc<Tape>,
+    nodes: Vec<[u32; 3]>,
+    pub(super) tape: Arc<Tape>,
 }
 
 impl Run {
     /// The whole domain.
     pub(super) fn root(tape: Arc<Tape>) -> Self {
-        Self { nodes: vec![Node { ijk: [0; 3], trend: Trend::UNKNOWN }], tape }
+        Self { nodes: vec![[0; 3]], tape }
     }
 
     /// The places of the nodes.
     pub(super) fn places(&self) -> impl Iterator<Item = [u32; 3]> {
-        self.nodes.iter().map(|node| node.ijk)
+        self.nodes.iter().copied()
     }
 
     /// One run for each node.
@@ -68,8 +62,9 @@ pub(super) struct Subtree {
     pub(super) levels: Vec<LevelMasks>,
     /// The voxels' normals in Morton order.
     pub(super) normals: Vec<OctNormal>,
-    /// Whether the surface provably passes through a voxel, in Morton order.
-    pub(super) certified: Vec<bool>,
+    /// Voxels of which it is not proven that the surface passes through, by their place in
+    /// `normals`.
+    pub(super) candidates: Vec<u32>,
     /// Voxels without a usable gradient, by their place in `normals`.
     pub(super) missing_normals: Vec<u32>,
     /// What it took.
@@ -120,31 +115,25 @@ struct Group {
     choices: Vec<Choice>,
 }
 
-/// A voxel that the gradient left open: child `c` of the node number `parent`.
-struct OpenVoxel {
-    parent: usize,
-    c: u32,
-    slopes: KnownSlopes,
-}
-
 /// The state of one thread's search.
 pub(super) struct Search<'a, S: Simd, L: Lanes<Token = S>, const G: usize> {
-    lattice: &'a Lattice,
-    corners: &'a Corners<L::Scalar>,
+    pub(super) lattice: &'a Lattice,
+    pub(super) corners: &'a Corners<L::Scalar>,
     certify: bool,
-    depth: u32,
-    values: BoxEvaluator<L, G>,
-    slopes: SlopeEvaluator<L, G>,
-    boxes: Boxes<L::Scalar>,
-    inner_boxes: Boxes<L::Scalar>,
-    signs: CornerSigns<L::Scalar>,
-    closer: CloserLook<'a, L, G>,
-    exact: ExactLook<'a, S>,
-    normal_finder: NormalFinder<'a, S>,
+    pub(super) depth: u32,
+    pub(super) values: BoxEvaluator<L, G>,
+    pub(super) slopes: SlopeEvaluator<L, G>,
+    pub(super) affine: AffineBounds<L>,
+    pub(super) boxes: Boxes<L::Scalar>,
+    pub(super) inner_boxes: Boxes<L::Scalar>,
+    pub(super) signs: CornerSigns<L::Scalar>,
+    pub(super) closer: CloserLook<'a, L, G>,
+    pub(super) exact: ExactLook<'a, S>,
+    pub(super) normal_finder: NormalFinder<'a, S>,
     tapes: ShortenedTapes,
-    masks: Vec<LevelMasks>,
-    certified: Vec<bool>,
-    effort: Effort,
+    pub(super) masks: Vec<LevelMasks>,
+    pub(super) candidates: Vec<u32>,
+    pub(super) effort: Effort,
 }
 
 impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
@@ -163,6 +152,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
             depth,
             values: BoxEvaluator::new(simd),
             slopes: SlopeEvaluator::new(simd),
+            affine: AffineBounds::new(simd, lattice),
             boxes: Boxes::default(),
             inner_boxes: Boxes::default(),
             signs: CornerSigns::new(),
@@ -171,14 +161,14 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
             normal_finder: NormalFinder::new(simd, lattice),
             tapes: ShortenedTapes::default(),
             masks: vec![LevelMasks::default(); depth as usize],
-            certified: Vec::new(),
+            candidates: Vec::new(),
             effort: Effort::new(depth),
         }
     }
 
     /// The masks of all levels searched since the last call.
     pub(super) fn take_masks(&mut self) -> Vec<LevelMasks> {
-        self.masks.iter_mut().map(std::mem::take).collect()
+        self.masks.iter_mut().map(LevelMasks::take).collect()
     }
 
     /// What was evaluated since the last call.
@@ -201,15 +191,16 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
         self.search(run, level);
         self.tapes.forget();
         let (normals, missing_normals) = self.normal_finder.take();
-        let certified = std::mem::take(&mut self.certified);
+        let candidates = std::mem::take(&mut self.candidates);
         let mut levels = self.take_masks().split_off(level as usize);
-        let mut states = vec![NodeState::Mixed; normals.len()];
-        for masks in levels.iter_mut().rev() {
+        let mut levels_up = levels.iter_mut().rev();
+        let mut states = levels_up.next().map_or_else(Vec::new, LevelMasks::settle_above_voxels);
+        for masks in levels_up {
             states = masks.settle(&states);
         }
         let root = states.first().copied().unwrap_or(NodeState::Empty);
         let effort = self.take_effort();
-        Subtree { root, levels, normals, certified, missing_normals, effort }
+        Subtree { root, levels, normals, candidates, missing_normals, effort }
     }
 
     /// Searches nodes above the blocks.
@@ -230,6 +221,10 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
 
     /// Searches nodes of one block.
     fn search_block(&mut self, run: Run, level: u32) {
+        if self.certify && level + BRICK_LEVELS == self.depth {
+            self.search_bricks(&run);
+            return;
+        }
         if level + 1 == self.depth {
             self.divide_into_voxels(&run, level);
             return;
@@ -251,37 +246,30 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
         self.children(run, level, &families, groups)
     }
 
-    /// The same, with all that a block offers.
+    /// The same, by values and slopes.
     fn divide_with_slopes(&mut self, run: Run, level: u32) -> Vec<Run> {
         let (mut families, groups) = self.test_values(&run, level);
-        self.follow_trends(&run, level, &mut families);
-        self.test_slopes(&run, level, &mut families, &mut Vec::new());
+        // Bricks are bounded by their slopes anyway.
+        if level + 1 + BRICK_LEVELS < self.depth {
+            self.test_slopes(&run, level, &mut families);
+        }
         self.children(run, level, &families, groups)
     }
 
-    /// Divides the nodes above the voxels, and keeps the voxels.
+    /// Divides the nodes above the voxels by the values of F, and keeps the voxels.
     fn divide_into_voxels(&mut self, run: &Run, level: u32) {
-        let (mut families, _) = self.test_values(run, level);
-        if self.certify {
-            self.follow_trends(run, level, &mut families);
-            self.certify_at_corners(run, &mut families);
-            let mut open = Vec::new();
-            self.test_slopes(run, level, &mut families, &mut open);
-            self.look_at_points(run, &mut families, &open);
-            self.look_closer(run, &mut families);
-        }
+        let (families, _) = self.test_values(run, level);
         let mut voxels = Vec::with_capacity(4 * families.len());
-        for (node, family) in run.nodes.iter().zip(&families) {
+        for (&node, family) in run.nodes.iter().zip(&families) {
             self.masks[level as usize].push(family.mixed, family.inside);
-            for c in bits(family.mixed) {
-                voxels.push(child_of(node.ijk, c));
-                self.certified.push(family.certified >> c & 1 == 1);
-            }
+            voxels.extend(bits(family.mixed).map(|c| child_of(node, c)));
         }
-        self.normal_finder.find(&run.tape, &voxels);
+        let first = self.normal_finder.len() as u32;
+        self.candidates.extend(first..first + voxels.len() as u32);
+        self.normal_finder.find(&run.tape, voxels);
     }
 
-    /// Tests the children of nodes without a trend by the values of F over them. Where runs are
+    /// Tests the children of nodes by the values of F over them. Where runs are
     /// still split, also tells how the choices went.
     fn test_values(&mut self, run: &Run, level: u32) -> (Vec<Family>, Vec<Group>) {
         let Run { nodes, tape } = run;
@@ -290,13 +278,13 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
         let split = tape.n_choices() > 0 && level + LEVELS_WITHOUT_SPLIT < self.depth;
         let mut families = vec![Family::EMPTY; nodes.len()];
         let mut groups: Vec<Group> = Vec::new();
-        let mut rest = (0..nodes.len()).filter(|&i| !nodes[i].trend.is_known());
+        let mut rest = 0..nodes.len();
         let mut n_tested = 0;
         loop {
             let mut parents = [0; PARENTS];
             let mut n = 0;
             for i in rest.by_ref().take(PARENTS) {
-                self.corners.write_children(&mut self.boxes, 8 * n, nodes[i].ijk, edge);
+                self.corners.write_children(&mut self.boxes, 8 * n, nodes[i], edge);
                 parents[n] = i;
                 n += 1;
             }
@@ -310,7 +298,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
             let mixed = !verdict.empty & !inside;
             let regular = verdict.continuous & verdict.in_region;
             for (p, &i) in parents[..n].iter().enumerate() {
-                let present = self.corners.present_children(nodes[i].ijk, edge);
+                let present = self.corners.present_children(nodes[i], edge);
                 let of_parent = |lanes: u64| (lanes >> (8 * p)) as u8 & present;
                 n_tested += u64::from(present.count_ones());
                 let family = &mut families[i];
@@ -336,96 +324,21 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
         (families, groups)
     }
 
-    /// Tests the children of nodes with a trend by the signs at two of their corners, which tell
-    /// everything.
-    fn follow_trends(&mut self, run: &Run, level: u32, families: &mut [Family]) {
-        let edge = 1 << (self.depth - level - 1);
-        let children = steps_to_children(edge);
-        let ends_of = |trend: Trend| {
-            let [least, most] = [trend.to_least(edge), trend.to_most(edge)].map(steps_to);
-            [children.map(|child| child + least), children.map(|child| child + most)]
-        };
-        for Node { ijk, trend } in run.nodes.iter().filter(|node| node.trend.is_known()) {
-            let first = self.signs.place(ijk.map(|i| 2 * i * edge));
-            ends_of(*trend).iter().for_each(|ends| self.signs.ask(first, ends));
-        }
-        self.tell_signs(&run.tape);
-        let mut n_tested = 0;
-        for (Node { ijk, trend }, family) in run.nodes.iter().zip(families) {
-            if !trend.is_known() {
-                continue;
-            }
-            let present = self.corners.present_children(*ijk, edge);
-            n_tested += u64::from(present.count_ones());
-            let first = self.signs.place(ijk.map(|i| 2 * i * edge));
-            let [least, most] = ends_of(*trend).map(|ends| self.signs.get(first, &ends));
-            *family = Family { regular: present, trends: [*trend; 8], ..Family::EMPTY };
-            for c in 0..8 {
-                let (least, most) = (least[c], most[c]);
-                let is_empty = least.have(Signs::POSITIVE);
-                let is_inside = most.have(Signs::NEGATIVE);
-                let is_mixed = !is_empty & !is_inside;
-                let is_crossed = is_mixed & least.and(most).have(Signs::BOTH);
-                family.inside |= u8::from(is_inside) << c;
-                family.mixed |= u8::from(is_mixed) << c;
-                family.certified |= u8::from(is_crossed) << c;
-            }
-            family.inside &= present;
-            family.mixed &= present;
-            family.certified &= present;
-        }
-        self.effort.boxes[level as usize] += n_tested;
-    }
-
-    /// Certifies voxels in which F is continuous and which have corners of both signs.
-    fn certify_at_corners(&mut self, run: &Run, families: &mut [Family]) {
-        let children = steps_to_children(1);
-        for (node, family) in run.nodes.iter().zip(&*families) {
-            let first = self.signs.place(node.ijk.map(|i| 2 * i));
-            for c in bits(family.open()) {
-                self.signs.ask(first + children[c as usize], &children);
-            }
-        }
-        self.tell_signs(&run.tape);
-        for (node, family) in run.nodes.iter().zip(families) {
-            let first = self.signs.place(node.ijk.map(|i| 2 * i));
-            for c in bits(family.open()) {
-                let corners = self.signs.get(first + children[c as usize], &children);
-                let signs = corners.into_iter().fold(Signs::default(), Signs::and);
-                family.certified |= u8::from(signs.have(Signs::BOTH)) << c;
-            }
-        }
-    }
-
-    fn tell_signs(&mut self, tape: &Tape) {
-        self.effort.corners += self.signs.tell(&mut self.values, tape, &mut self.boxes);
-    }
-
-    /// Tests the surviving children by the gradient over them, and finds the trends of those that
-    /// have one. Adds voxels that stay open to `left`.
-    fn test_slopes(
-        &mut self,
-        run: &Run,
-        level: u32,
-        families: &mut [Family],
-        left: &mut Vec<OpenVoxel>,
-    ) {
+    /// Tests the surviving children by the gradient over them.
+    fn test_slopes(&mut self, run: &Run, level: u32, families: &mut [Family]) {
         let Run { nodes, tape } = run;
         let edge = 1 << (self.depth - level - 1);
-        let is_voxel = level + 1 == self.depth;
-        // Below a trend tapes are not shortened any more.
-        let is_last_tape = tape.n_choices() == 0 || level + 1 + LEVELS_WITHOUT_SPLIT >= self.depth;
         let mut open: Vec<(usize, u32)> = Vec::new();
         for (i, family) in families.iter().enumerate() {
-            open.extend(bits(family.open()).map(|c| (i, c)));
+            open.extend(bits(family.mixed & family.regular).map(|c| (i, c)));
         }
-        if open.len() < WORTH_SLOPES && !is_voxel {
+        if open.len() < WORTH_SLOPES {
             return;
         }
         self.effort.gradients += open.len() as u64;
         for batch in open.chunks(BATCH) {
             for (lane, &(i, c)) in batch.iter().enumerate() {
-                let child = child_of(nodes[i].ijk, c);
+                let child = child_of(nodes[i], c);
                 let boxes = [&mut self.boxes, &mut self.inner_boxes];
                 self.corners.write_node(boxes, lane, child, edge);
             }
@@ -437,62 +350,8 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
                     families[i].drop(c, false);
                 } else if is(found.verdict.negative) {
                     families[i].drop(c, true);
-                } else if is_voxel && is(found.crossed) {
-                    families[i].certified |= 1 << c;
-                } else {
-                    let (rising, falling) = (found.rising.map(is), found.falling.map(is));
-                    let trend = Trend::new(rising, falling);
-                    if is_last_tape {
-                        families[i].trends[c as usize] = trend;
-                    }
-                    if is_voxel && !trend.is_known() {
-                        let steepest = self.slopes.steepest(lane);
-                        let slopes = KnownSlopes { rising, falling, steepest };
-                        left.push(OpenVoxel { parent: i, c, slopes });
-                    }
                 }
             }
-        }
-    }
-
-    /// Looks at F at points of voxels whose slopes are known.
-    fn look_at_points(&mut self, run: &Run, families: &mut [Family], open: &[OpenVoxel]) {
-        let children = steps_to_children(1);
-        let voxels: Vec<_> = open
-            .iter()
-            .map(|open| {
-                let ijk = run.nodes[open.parent].ijk;
-                let first = self.signs.place(ijk.map(|i| 2 * i)) + children[open.c as usize];
-                let corners = self.signs.get(first, &children);
-                let signs = corners.into_iter().fold(Signs::default(), Signs::and);
-                (child_of(ijk, open.c), open.slopes, signs)
-            })
-            .collect();
-        let findings = look_at_points(&mut self.values, self.lattice, &run.tape, &voxels);
-        for (open, finding) in open.iter().zip(findings) {
-            families[open.parent].conclude(open.c, finding);
-        }
-    }
-
-    /// Looks closer at voxels that are neither certified nor dropped.
-    fn look_closer(&mut self, run: &Run, families: &mut [Family]) {
-        let (mut with_trend, mut without) = (Vec::new(), Vec::new());
-        for (i, family) in families.iter().enumerate() {
-            for c in bits(family.mixed & !family.certified) {
-                let has_trend = family.trends[c as usize].is_known();
-                if has_trend { with_trend.push((i, c)) } else { without.push((i, c)) }
-            }
-        }
-        let Effort { closer_looks, gradients, .. } = &mut self.effort;
-        *closer_looks += (with_trend.len() + without.len()) as u64;
-        let places = |open: &[(usize, u32)]| -> Vec<[u32; 3]> {
-            open.iter().map(|&(i, c)| child_of(run.nodes[i].ijk, c)).collect()
-        };
-        let found = self.exact.look_at_whole(&run.tape, &places(&with_trend), gradients);
-        let found_in_parts = self.closer.look_at_parts(&run.tape, &places(&without), gradients);
-        let open = with_trend.into_iter().chain(without);
-        for ((i, c), finding) in open.zip(found.into_iter().chain(found_in_parts)) {
-            families[i].conclude(c, finding);
         }
     }
 
@@ -526,8 +385,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
                     is_new = false;
                 }
                 if let Some(run) = runs.last_mut() {
-                    let (ijk, trend) = (child_of(node.ijk, c), family.trends[c as usize]);
-                    run.nodes.push(Node { ijk, trend });
+                    run.nodes.push(child_of(*node, c));
                 }
             }
         }

@@ -101,17 +101,20 @@ impl<T: Scalar> CornerSigns<T> {
     /// Asks for the signs at the places `steps` further than `first`.
     #[inline(always)]
     pub(super) fn ask<const N: usize>(&mut self, first: u32, steps: &[u32; N]) {
-        let mut n_asked = self.n_asked;
         for step in steps {
-            // Without a branch: half of the corners are known, and none can tell which.
-            let place = first + step;
-            let signs = &mut self.signs[place as usize];
-            let is_new = *signs == Signs::default();
-            self.asked[n_asked] = place;
-            n_asked += usize::from(is_new);
-            signs.0 |= u8::from(is_new) * Signs::QUEUED.0;
+            self.ask_if(true, first + step);
         }
-        self.n_asked = n_asked;
+    }
+
+    /// Asks for the sign at a place if it is needed.
+    #[inline(always)]
+    pub(super) fn ask_if(&mut self, is_needed: bool, place: u32) {
+        // Without a branch: half of the corners are known, and none can tell which.
+        let signs = &mut self.signs[place as usize];
+        let is_new = is_needed & (*signs == Signs::default());
+        self.asked[self.n_asked] = place;
+        self.n_asked += usize::from(is_new);
+        signs.0 |= u8::from(is_new) * Signs::QUEUED.0;
     }
 
     /// The signs at places that were asked for before the last [`CornerSigns::tell`].
@@ -164,6 +167,6 @@ pub(super) fn steps_to_children(edge: u32) -> [u32; 8] {
 
 /// How much further the place of a corner is that lies `steps` further.
 #[inline(always)]
-pub(super) fn steps_to(steps: [u32; 3]) -> u32 {
+pub(super) const fn steps_to(steps: [u32; 3]) -> u32 {
     steps[0] | steps[1] << ROW_BITS | steps[2] << (2 * ROW_BITS)
 }
