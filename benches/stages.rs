@@ -7,7 +7,7 @@ use std::{io::Cursor, path::Path};
 use divan::Bencher;
 use rayon::ThreadPool;
 use zeroset::{
-    math::Lattice,
+    math::{Lattice, SimdLevel},
     octree::MortonOctree,
     output::{exr, png},
     progress::Unwatched,
@@ -43,9 +43,10 @@ fn find(scene: &Scene, lattice: &Lattice) -> MortonOctree {
 
 fn draw(scene: &Scene, lattice: &Lattice, octree: &MortonOctree) -> Frame {
     let material = scene.surfaces[0].material;
-    let layers = [Layer { storage: octree, lattice, material }];
+    let tape = scene.surfaces[0].expr.tape();
+    let layers = [Layer { storage: octree, lattice, material, tape: Some(&tape) }];
     let camera = Camera::new(&scene.view, 1.0, layers.as_slice());
-    raster::render(&layers, &camera, &scene.image, &Unwatched).unwrap()
+    raster::render(&layers, &camera, &scene.image, SimdLevel::detect(), &Unwatched).unwrap()
 }
 
 #[divan::bench(args = SCENES)]

@@ -163,7 +163,8 @@ mod tests {
             height: side,
             background: None,
             lights: Vec::new(),
-            shade: Shade::Material,
+            shade: Shade::Voxel,
+            samples: 1,
             candidates: true,
         }
     }

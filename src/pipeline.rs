@@ -4,6 +4,7 @@ use std::{num::NonZeroUsize, path::PathBuf, thread, time::Instant};
 
 use crate::{
     Error, Result, advice,
+    expr::Tape,
     limits::{self, Memory},
     math::{Lattice, SimdLevel},
     octree::Storage,
@@ -46,6 +47,8 @@ pub struct Report {
 pub struct Picture {
     /// The picture with its layers.
     pub frame: Frame,
+    /// Where it was taken from.
+    pub camera: Camera,
     /// The voxels of each surface of the scene.
     pub storages: Vec<Box<dyn Storage>>,
     /// Numbers.
@@ -123,19 +126,22 @@ fn render_with_all_threads(
         voxelizations.into_iter().map(|found| scene.storage.keep(found.octree)).collect();
 
     let start = Instant::now();
+    let tapes: Vec<Tape> = scene.surfaces.iter().map(|surface| surface.expr.tape()).collect();
     let layers: Vec<Layer<'_>> = scene
         .surfaces
         .iter()
         .zip(&storages)
-        .map(|(surface, storage)| Layer {
+        .zip(&tapes)
+        .map(|((surface, storage), tape)| Layer {
             storage: &**storage,
             lattice: &lattice,
             material: surface.material,
+            tape: Some(tape),
         })
         .collect();
     let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
     let camera = Camera::new(&scene.view, aspect, layers.as_slice());
-    let frame = raster::render(&layers, &camera, &scene.image, progress)?;
+    let frame = raster::render(&layers, &camera, &scene.image, simd, progress)?;
     let rasterize = start.elapsed().as_secs_f64();
 
     let statistics = Statistics {
@@ -159,7 +165,7 @@ fn render_with_all_threads(
         time_s: Times { voxelize, rasterize, write: 0.0 },
         peak_memory_bytes: limits::peak_memory_bytes(),
     };
-    Ok(Picture { frame, storages, statistics, notes })
+    Ok(Picture { frame, camera, storages, statistics, notes })
 }
 
 /// The voxel lattice of `scene`, with another resolution if one is given.

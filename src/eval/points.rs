@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f64x8};
 use super::Machine;
 use crate::{
     expr::Tape,
-    math::{Constant, Dual, Lanes, Number, Point},
+    math::{Constant, Dual, Lanes, Mask as _, Number, Point},
 };
 
 /// Points evaluated in one pass.
@@ -19,17 +19,23 @@ pub type Points = [[f64; POINT_BATCH]; 3];
 pub struct PointEvaluator<S: Simd> {
     simd: S,
     machine: Machine<Point<f64x8<S>>, GROUPS>,
+    in_region: u64,
 }
 
 impl<S: Simd> PointEvaluator<S> {
     /// An evaluator for one instruction set.
     pub fn new(simd: S) -> Self {
-        Self { simd, machine: Machine::default() }
+        Self { simd, machine: Machine::default(), in_region: 0 }
+    }
+
+    /// Which of the last points lie in the tape's region, as bits; all if it has none.
+    pub fn in_region(&self) -> u64 {
+        self.in_region
     }
 
     /// The values of `tape` at `points`.
     pub fn eval(&mut self, tape: &Tape, points: &Points) -> [f64; POINT_BATCH] {
-        let Self { simd, machine } = self;
+        let Self { simd, machine, in_region } = self;
         simd.vectorize(
             #[inline(always)]
             || {
@@ -44,6 +50,13 @@ impl<S: Simd> PointEvaluator<S> {
                 let mut out = [0.0; POINT_BATCH];
                 for (g, value) in values.iter().enumerate() {
                     value.0.store(&mut out[8 * g..]);
+                }
+                *in_region = u64::MAX;
+                if let Some(slot) = tape.region() {
+                    *in_region = 0;
+                    for (g, value) in machine.slot(slot).iter().enumerate() {
+                        *in_region |= value.0.le(value.0.same(0.0)).bits() << (8 * g);
+                    }
                 }
                 out
             },

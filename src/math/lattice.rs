@@ -100,6 +100,16 @@ impl Lattice {
         self.corners[axis][index.min(self.n_voxels[axis]) as usize]
     }
 
+    /// The voxel that a point lies in; the nearest one if it lies outside.
+    #[must_use]
+    pub fn voxel_at(&self, p: DVec3) -> [u32; 3] {
+        [0, 1, 2].map(|axis| {
+            // Negative numbers become 0.
+            let at = ((p[axis] - self.corners[axis][0]) / self.voxel_size) as u32;
+            at.min(self.n_voxels[axis] - 1)
+        })
+    }
+
     /// Centre of a voxel.
     ///
     /// # Panics

@@ -126,6 +126,16 @@ impl Camera {
         self.basis.forward
     }
 
+    /// The ray through a point of the picture, (-1, -1) to (1, 1): where it starts, and the way it
+    /// goes for each unit of depth.
+    #[must_use]
+    pub fn ray(&self, picture: DVec2) -> (DVec3, DVec3) {
+        let Basis { right, up, forward } = self.basis;
+        let at = picture * self.half_size;
+        let across = at.x * right + at.y * up;
+        if self.is_parallel { (self.eye + across, forward) } else { (self.eye, forward + across) }
+    }
+
     /// A point in view axes: right, up, depth, from the eye.
     #[must_use]
     pub fn view_from_world(&self, p: DVec3) -> DVec3 {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Content, Material, fit::fold_reach};
-use crate::{math::Lattice, octree::Storage};
+use crate::{expr::Tape, math::Lattice, octree::Storage};
 
 /// The voxels of one surface and how they look.
 #[derive(Clone, Copy)]
@@ -15,6 +15,18 @@ pub struct Layer<'a> {
     pub lattice: &'a Lattice,
     /// How they look.
     pub material: Material,
+    /// The formula that they come from, if there is one.
+    pub tape: Option<&'a Tape>,
+}
+
+/// The near plane's depth in voxel sizes: the rays start here.
+const NEAR_VOXELS: f64 = 1e-3;
+
+impl Layer<'_> {
+    /// Depth of the near plane.
+    pub(super) fn near(&self) -> f64 {
+        NEAR_VOXELS * self.lattice.voxel_size()
+    }
 }
 
 /// All voxels' cubes: what a fitted camera shows.

@@ -75,7 +75,7 @@ impl Mock {
 
     pub(super) fn layer(&self, color: [f32; 3]) -> Layer<'_> {
         let material = Material { color, back_color: color, specular: 0.3, shininess: 40 };
-        Layer { storage: self, lattice: &self.lattice, material }
+        Layer { storage: self, lattice: &self.lattice, material, tape: None }
     }
 }
 

@@ -21,6 +21,7 @@ mod layer;
 mod light;
 #[cfg(test)]
 mod mock;
+mod paint;
 mod resolve;
 mod screen;
 mod settings;
@@ -28,6 +29,9 @@ mod shade;
 mod splat;
 #[cfg(test)]
 mod tests;
+mod tile;
+mod trace;
+mod walk;
 mod zbuffer;
 
 pub use camera::Camera;
@@ -37,9 +41,8 @@ pub use frame::Frame;
 pub use layer::Layer;
 pub use settings::{Axes, ImageSettings, Light, Material, Placement, Projection, Shade, View};
 
-use crate::{Result, progress::Progress};
+use crate::{Result, math::SimdLevel, progress::Progress};
 use screen::Screen;
-use zbuffer::ZBuffer;
 
 /// Draws `layers` as `camera` sees them.
 ///
@@ -54,10 +57,9 @@ pub fn render(
     layers: &[Layer<'_>],
     camera: &Camera,
     image: &ImageSettings,
+    simd: SimdLevel,
     progress: &dyn Progress,
 ) -> Result<Frame> {
-    let screen = Screen::new(camera, image.width, image.height);
-    let zbuffer = ZBuffer::new(screen.n_pixels());
-    splat::splat(layers, &screen, &zbuffer, image.candidates, progress)?;
-    shade::shade(layers, &screen, &zbuffer, image, progress)
+    let screen = Screen::new(camera, image.width, image.height, image.samples);
+    shade::shade(layers, &screen, image, simd, progress)
 }

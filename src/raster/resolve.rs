@@ -18,7 +18,7 @@
 //! contain the surface. Just inside it, a ray that passes over the rim meets the first voxels that
 //! face away; their normals are all but at right angles to the ray, as the surface's there is.
 
-use super::{Layer, screen::Ray, splat::first_ids, zbuffer::Hit};
+use super::{Layer, paint::Seen, screen::Ray, splat::first_ids, zbuffer::Hit};
 use glam::DVec3;
 
 /// Largest distance along the normal between two hits of one sheet, in projected voxel sizes.
@@ -30,13 +30,12 @@ pub(super) struct Voxels<'a> {
     first_ids: Vec<u32>,
 }
 
-/// A voxel that a pixel may show.
+/// A voxel that a sample may show.
 #[derive(Clone, Copy)]
-pub(super) struct Candidate<'a> {
-    pub(super) layer: &'a Layer<'a>,
-    pub(super) depth: f64,
-    pub(super) normal: DVec3,
-    pub(super) certified: bool,
+pub(super) struct Shown {
+    pub(super) seen: Seen,
+    /// Whether the ray gets to the tangent plane in the voxel.
+    pub(super) is_met: bool,
 }
 
 impl<'a> Voxels<'a> {
@@ -45,35 +44,36 @@ impl<'a> Voxels<'a> {
     }
 
     /// The hit that a pixel shows, of the nearest of each kind.
-    pub(super) fn shown(
-        &self,
-        ray: &Ray,
-        met: Option<Hit>,
-        covered: Option<Hit>,
-    ) -> Option<Candidate<'a>> {
+    pub(super) fn shown(&self, ray: &Ray, met: Option<Hit>, covered: Option<Hit>) -> Option<Shown> {
         match (met, covered) {
             (Some(met), Some(covered)) if covered.depth < met.depth => {
-                let (met, covered) = (self.candidate(met), self.candidate(covered));
-                Some(if is_one_sheet(ray, &met, &covered) { met } else { covered })
+                let (met, covered) = (self.seen(met), self.seen(covered));
+                let is_met = self.is_one_sheet(ray, &met, &covered);
+                Some(Shown { seen: if is_met { met } else { covered }, is_met })
             }
-            (met, covered) => met.or(covered).map(|hit| self.candidate(hit)),
+            (Some(met), _) => Some(Shown { seen: self.seen(met), is_met: true }),
+            (None, Some(covered)) => Some(Shown { seen: self.seen(covered), is_met: false }),
+            (None, None) => None,
         }
     }
 
-    fn candidate(&self, hit: Hit) -> Candidate<'a> {
+    /// What is known of the voxel of a hit.
+    pub(super) fn seen(&self, hit: Hit) -> Seen {
         // An empty layer shares its first identity with the next one, which is the owner.
         let owner = self.first_ids.partition_point(|&first| first <= hit.id) - 1;
         let layer = &self.layers[owner];
         let rank = hit.id - self.first_ids[owner];
         let normal = layer.storage.normal(rank).decode();
         let certified = layer.storage.is_certified(rank);
-        Candidate { layer, depth: f64::from(hit.depth), normal, certified }
+        Seen { layer: owner, depth: f64::from(hit.depth), normal, certified }
     }
-}
 
-fn is_one_sheet(ray: &Ray, met: &Candidate<'_>, covered: &Candidate<'_>) -> bool {
-    let between = (met.depth - covered.depth) * ray.direction;
-    let size = met.layer.lattice.voxel_size().max(covered.layer.lattice.voxel_size());
-    let is_near = |n: DVec3| n.dot(between).abs() <= SHEET_VOXELS * size * n.abs().element_sum();
-    is_near(met.normal) && is_near(covered.normal)
+    fn is_one_sheet(&self, ray: &Ray, met: &Seen, covered: &Seen) -> bool {
+        let between = (met.depth - covered.depth) * ray.direction;
+        let size_of = |seen: &Seen| self.layers[seen.layer].lattice.voxel_size();
+        let size = size_of(met).max(size_of(covered));
+        let is_near =
+            |n: DVec3| n.dot(between).abs() <= SHEET_VOXELS * size * n.abs().element_sum();
+        is_near(met.normal) && is_near(covered.normal)
+    }
 }

@@ -1,4 +1,4 @@
-//! The pixels of one picture: their centre rays, and which of them a box may touch.
+//! The samples of one picture: their rays, and which of them a box may touch.
 //!
 //! All positions here are relative to the eye, where precision is needed most.
 
@@ -6,7 +6,10 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::Camera;
+use super::{Camera, tile::Tile};
+
+/// Samples along an edge of a tile, at most.
+const TILE: usize = 64;
 
 /// Pixels that a box may touch lie within this many pixels of its projection. Generous: it covers
 /// rounding, and the pixels that it adds fail the exact test.
@@ -14,8 +17,14 @@ const SLACK_PX: f64 = 1e-6;
 
 /// A camera with a grid of pixels before it.
 pub(super) struct Screen {
+    /// Samples along an edge of a pixel.
+    pub(super) samples: usize,
+    /// In samples.
     pub(super) width: usize,
+    /// In samples.
     pub(super) height: usize,
+    /// Samples along an edge of a tile: of whole pixels.
+    pub(super) tile_edge: usize,
     pub(super) eye: DVec3,
     pub(super) right: DVec3,
     pub(super) up: DVec3,
@@ -48,23 +57,29 @@ impl Ray {
     }
 }
 
-/// Pixels that a box may touch, and the least depth at which it does.
+/// Pixels that a box may touch, and the depths between which it does.
 #[derive(Clone, Debug)]
 pub(super) struct Footprint {
     pub(super) columns: Range<usize>,
     pub(super) rows: Range<usize>,
     pub(super) nearest: f64,
+    pub(super) farthest: f64,
 }
 
 impl Screen {
-    pub(super) fn new(camera: &Camera, width: u32, height: u32) -> Self {
+    /// With `width` by `height` pixels of `samples` by `samples` samples.
+    pub(super) fn new(camera: &Camera, width: u32, height: u32, samples: u32) -> Self {
+        let (width, height) = (width * samples, height * samples);
         let super::camera::Basis { right, up, forward } = camera.basis;
         let (w, h) = (f64::from(width), f64::from(height));
         let half = camera.half_size;
         let common = if camera.is_parallel { DVec3::ZERO } else { forward };
         let column = |i: u32| right * ((f64::from(2 * i + 1) - w) / w * half.x);
         let row = |j: u32| common + up * ((h - f64::from(2 * j + 1)) / h * half.y);
+        let samples = samples as usize;
         Self {
+            samples,
+            tile_edge: TILE / samples * samples,
             width: width as usize,
             height: height as usize,
             eye: camera.eye,
@@ -81,8 +96,11 @@ impl Screen {
         }
     }
 
-    pub(super) fn n_pixels(&self) -> usize {
-        self.width * self.height
+    /// The tile in a column and a row of tiles.
+    pub(super) fn tile(&self, column: usize, row: usize) -> Tile {
+        let edge = self.tile_edge;
+        let part = |i: usize, n: usize| i * edge..((i + 1) * edge).min(n);
+        Tile { columns: part(column, self.width), rows: part(row, self.height) }
     }
 
     #[inline]
@@ -93,6 +111,25 @@ impl Screen {
         } else {
             Ray { origin: DVec3::ZERO, direction: varying }
         }
+    }
+
+    /// The column and the row that a point appears in, and its depth; `None` if it is out of the
+    /// picture or behind the eye.
+    #[inline]
+    pub(super) fn sample_of(&self, p: DVec3) -> Option<(usize, usize, f64)> {
+        let depth = self.forward.dot(p);
+        if depth <= 0.0 {
+            return None;
+        }
+        let scale = if self.is_parallel { 1.0 } else { 1.0 / depth };
+        let column = (self.across.dot(p) * scale + self.middle[0] + 0.5).floor();
+        let row = (self.down.dot(p) * scale + self.middle[1] + 0.5).floor();
+        let is_in = |v: f64, n: usize| v >= 0.0 && v < n as f64;
+        (is_in(column, self.width) && is_in(row, self.height)).then_some((
+            column as usize,
+            row as usize,
+            depth,
+        ))
     }
 
     /// Half extents of an axis-aligned box in picture axes: pixels across, pixels down (both times
@@ -127,6 +164,11 @@ impl Screen {
         };
         let columns = pixels(self.across.dot(center), extent.x, self.middle[0], self.width);
         let rows = pixels(self.down.dot(center), extent.y, self.middle[1], self.height);
-        (!columns.is_empty() && !rows.is_empty()).then_some(Footprint { columns, rows, nearest })
+        (!columns.is_empty() && !rows.is_empty()).then_some(Footprint {
+            columns,
+            rows,
+            nearest,
+            farthest,
+        })
     }
 }

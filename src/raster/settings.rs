@@ -58,19 +58,27 @@ pub struct ImageSettings {
     pub background: Option<[f32; 3]>,
     /// The scene's lights; the camera's own where there are none.
     pub lights: Vec<Light>,
-    /// What colours the surfaces have.
+    /// What stands for the surface in a voxel.
     pub shade: Shade,
+    /// Samples along an edge of a pixel, from 1 to 8.
+    pub samples: u32,
     /// Whether voxels are drawn that are not certified.
     pub candidates: bool,
 }
 
-/// What colours a surface has.
+/// What stands for the surface in a voxel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shade {
-    /// Those of its material.
+    /// The surface itself: where the ray meets it, with its normal there.
     #[default]
-    Material,
-    /// Green where the surface provably passes through a voxel, red where that is not proven.
+    Refine,
+    /// The plane through the voxel's centre, with a normal between those of the voxels around.
+    Slab,
+    /// The same plane, with the voxel's normal: the paper's points, as large as a voxel.
+    Voxel,
+    /// The voxel's centre, one pixel large: the paper's points.
+    GlPoint,
+    /// As [`Shade::Voxel`]; green where the surface provably passes through a voxel, red where that is not proven.
     Status,
 }
 

@@ -1,72 +1,167 @@
-//! Second pass: every pixel is lit once, from the normal of the voxel that it shows.
+//! Samples to pixels: every sample is lit by itself, and a pixel is the mean of its samples.
+//!
+//! The mean is that of linear light, premultiplied by alpha, so that edges fit any background. The
+//! layers that cannot be averaged show the pixel's nearest sample.
 
 use rayon::prelude::*;
 
 use super::{
     Frame, ImageSettings, Layer, Material, Shade,
     light::Lights,
-    resolve::{Candidate, Voxels},
+    paint::{Painter, Seen},
     screen::Screen,
-    zbuffer::ZBuffer,
+    tile::{Blocks, Tile},
+    trace::tracer,
 };
-use crate::{Error, Result, progress::Progress};
+use crate::{Error, Result, math::SimdLevel, progress::Progress};
 
-/// Lights all pixels.
+/// One pixel of a [`Frame`].
+#[derive(Clone, Copy)]
+struct Pixel {
+    rgba: [f32; 4],
+    depth: f32,
+    normal: [f32; 3],
+    position: [f32; 3],
+}
+
+/// Paints and lights all pixels.
 pub(super) fn shade(
     layers: &[Layer<'_>],
     screen: &Screen,
-    zbuffer: &ZBuffer,
     image: &ImageSettings,
+    simd: SimdLevel,
     progress: &dyn Progress,
 ) -> Result<Frame> {
-    let voxels = Voxels::new(layers);
-    let lights = Lights::new(&image.lights, screen);
     let empty = image.background.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0]);
-    let mut frame = Frame::filled(screen.width as u32, screen.height as u32, empty);
-    let width = screen.width.max(1);
-    progress.begin("shade", screen.height as u64, "rows");
+    let mut frame = Frame::filled(image.width, image.height, empty);
+    if frame.rgba.is_empty() {
+        return Ok(frame);
+    }
+    let blocks = Blocks::new(layers, screen);
+    let painter = Painter::new(layers, screen, &blocks, image);
+    let lights = Lights::new(&image.lights, screen);
+    let shader = Shader { layers, screen, lights, image, empty };
+    progress.begin("rasterize", (blocks.n_columns * blocks.n_rows) as u64, "tiles");
+    let width = image.width as usize;
+    let rows = screen.tile_edge / screen.samples;
+    let n = width * rows;
     frame
         .rgba
-        .par_chunks_mut(width)
-        .zip(frame.depth.par_chunks_mut(width))
-        .zip(frame.normal.par_chunks_mut(width))
-        .zip(frame.position.par_chunks_mut(width))
+        .par_chunks_mut(n)
+        .zip(frame.depth.par_chunks_mut(n))
+        .zip(frame.normal.par_chunks_mut(n))
+        .zip(frame.position.par_chunks_mut(n))
         .enumerate()
         .try_for_each(|(row, (((rgba, depth), normal), position))| {
-            if progress.is_cancelled() {
-                return Err(Error::Interrupted);
-            }
-            for column in 0..rgba.len() {
-                let pixel = row * width + column;
-                let ray = screen.ray(column, row);
-                let (met, covered) = (zbuffer.met.get(pixel), zbuffer.covered.get(pixel));
-                if let Some(hit) = voxels.shown(&ray, met, covered) {
-                    let point = screen.eye + ray.at(hit.depth);
-                    let material = material(&hit, image.shade);
-                    rgba[column] = lights.reflected(&material, hit.normal, &ray);
-                    depth[column] = hit.depth as f32;
-                    normal[column] = hit.normal.as_vec3().to_array();
-                    position[column] = point.as_vec3().to_array();
+            let tiles: Result<Vec<Vec<Pixel>>> = (0..blocks.n_columns)
+                .into_par_iter()
+                .map_init(
+                    || tracer(simd),
+                    |tracer, column| {
+                        if progress.is_cancelled() {
+                            return Err(Error::Interrupted);
+                        }
+                        let tile = screen.tile(column, row);
+                        let seen = painter.paint((column, row), &tile, &mut **tracer);
+                        progress.advance(1);
+                        Ok(shader.pixels(&tile, &seen))
+                    },
+                )
+                .collect();
+            for (column, pixels) in tiles?.into_iter().enumerate() {
+                let first = column * rows;
+                let columns = rows.min(width - first);
+                for (i, pixel) in pixels.into_iter().enumerate() {
+                    let at = i / columns * width + first + i % columns;
+                    rgba[at] = pixel.rgba;
+                    depth[at] = pixel.depth;
+                    normal[at] = pixel.normal;
+                    position[at] = pixel.position;
                 }
             }
-            progress.advance(1);
             Ok(())
         })?;
     progress.end();
     Ok(frame)
 }
 
+/// Everything that lighting a sample needs to know.
+struct Shader<'a> {
+    layers: &'a [Layer<'a>],
+    screen: &'a Screen,
+    lights: Lights,
+    image: &'a ImageSettings,
+    /// A pixel without any surface.
+    empty: [f32; 4],
+}
+
+impl Shader<'_> {
+    /// The pixels of a tile, row by row.
+    fn pixels(&self, tile: &Tile, seen: &[Option<Seen>]) -> Vec<Pixel> {
+        let samples = self.screen.samples;
+        let n_rows = tile.rows.len() / samples;
+        let n_columns = tile.columns.len() / samples;
+        let mut pixels = Vec::with_capacity(n_rows * n_columns);
+        for row in 0..n_rows {
+            for column in 0..n_columns {
+                let rows = (row * samples..(row + 1) * samples).map(|row| row * tile.columns.len());
+                let of_row = |row: usize| (0..samples).map(move |i| row + column * samples + i);
+                pixels.push(self.pixel(tile, seen, rows.flat_map(of_row)));
+            }
+        }
+        pixels
+    }
+
+    /// The mean of some samples, and the nearest of them.
+    fn pixel(
+        &self,
+        tile: &Tile,
+        seen: &[Option<Seen>],
+        samples: impl Iterator<Item = usize>,
+    ) -> Pixel {
+        let mut sum = [0.0_f64; 4];
+        let mut nearest: Option<(usize, Seen)> = None;
+        for sample in samples {
+            let rgba = seen[sample].map_or(self.empty, |seen| self.lit(tile, sample, &seen));
+            (0..4).for_each(|c| sum[c] += f64::from(rgba[c]));
+            if let Some(seen) = seen[sample]
+                && nearest.is_none_or(|(_, other)| seen.depth < other.depth)
+            {
+                nearest = Some((sample, seen));
+            }
+        }
+        let n = (self.screen.samples * self.screen.samples) as f64;
+        let rgba = sum.map(|channel| (channel / n) as f32);
+        let Some((sample, seen)) = nearest else {
+            return Pixel { rgba, depth: Frame::FAR, normal: [0.0; 3], position: [0.0; 3] };
+        };
+        let (column, row) = tile.place(sample);
+        let point = self.screen.eye + self.screen.ray(column, row).at(seen.depth);
+        Pixel {
+            rgba,
+            depth: seen.depth as f32,
+            normal: seen.normal.as_vec3().to_array(),
+            position: point.as_vec3().to_array(),
+        }
+    }
+
+    fn lit(&self, tile: &Tile, sample: usize, seen: &Seen) -> [f32; 4] {
+        let (column, row) = tile.place(sample);
+        let ray = self.screen.ray(column, row);
+        let material = material(self.layers[seen.layer].material, seen, self.image.shade);
+        self.lights.reflected(&material, seen.normal, &ray)
+    }
+}
+
 /// Green and red that differ in brightness too.
 const CERTIFIED: [f32; 3] = [0.15, 0.55, 0.2];
 const CANDIDATE: [f32; 3] = [0.75, 0.08, 0.04];
 
-/// What a hit looks like.
-fn material(hit: &Candidate<'_>, shade: Shade) -> Material {
-    match shade {
-        Shade::Material => hit.layer.material,
-        Shade::Status => {
-            let color = if hit.certified { CERTIFIED } else { CANDIDATE };
-            Material { color, back_color: color, ..hit.layer.material }
-        }
+/// What a sample looks like on a surface of `material`.
+fn material(material: Material, seen: &Seen, shade: Shade) -> Material {
+    if shade != Shade::Status {
+        return material;
     }
+    let color = if seen.certified { CERTIFIED } else { CANDIDATE };
+    Material { color, back_color: color, ..material }
 }

@@ -1,6 +1,6 @@
-//! First pass: voxels into the z-buffer, without holes.
+//! Voxels into the z-buffer of a tile, without holes.
 //!
-//! *Invariant:* a voxel is offered to every pixel whose centre ray meets its closed cube in front
+//! *Invariant:* a voxel is offered to every sample whose ray meets its closed cube in front
 //! of the near plane, unless something nearer is already known to win there. The pixels are found
 //! in two steps: the bounding rectangle of the cube's projection, rounded outward, then an exact
 //! test of each ray in it. The test is that of separating axes, which needs no division: the line
@@ -16,58 +16,18 @@
 //! pixel, at the depth where the ray leaves. `resolve` weighs the two.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::{
     Layer,
     screen::{Ray, Screen},
+    tile::{Block, Tile},
     zbuffer::{Key, ZBuffer},
 };
-use crate::{
-    Error, Result,
-    math::Lattice,
-    octree::{Part, Voxel},
-    progress::Progress,
-};
-
-/// The near plane's depth in voxel sizes: the rays start here.
-const NEAR_VOXELS: f64 = 1e-3;
+use crate::{math::Lattice, octree::Voxel};
 
 /// Bounds the rounding errors of a coordinate relative to the eye and of the products made with
 /// it, relative to the largest coordinate: some 45 units in the last place.
 const ROUNDING: f64 = 1e-14;
-
-/// Writes all voxels of `layers`. A voxel's identity is its rank plus the number of voxels in the
-/// layers before its own. Where `candidates` is false only certified voxels are written.
-pub(super) fn splat(
-    layers: &[Layer<'_>],
-    screen: &Screen,
-    zbuffer: &ZBuffer,
-    candidates: bool,
-    progress: &dyn Progress,
-) -> Result<()> {
-    let splatters: Vec<Splatter<'_>> = first_ids(layers)
-        .zip(layers)
-        .map(|(first_id, layer)| Splatter::new(layer, first_id, screen, zbuffer, candidates))
-        .collect();
-    let mut work: Vec<(f64, &Splatter<'_>, Part)> = splatters
-        .iter()
-        .flat_map(|s| s.layer.storage.parts().into_iter().map(move |part| (s.depth(part), s, part)))
-        .collect();
-    // From front to back, so that most of what is hidden finds out early.
-    work.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let total = layers.iter().map(|layer| u64::from(layer.storage.voxel_count())).sum();
-    progress.begin("rasterize", total, "voxels");
-    work.iter().par_bridge().try_for_each(|(_, splatter, part)| {
-        if progress.is_cancelled() {
-            return Err(Error::Interrupted);
-        }
-        progress.advance(splatter.part(*part));
-        Ok(())
-    })?;
-    progress.end();
-    Ok(())
-}
 
 /// The identity of each layer's voxel of rank 0.
 ///
@@ -84,11 +44,11 @@ pub(super) fn first_ids(layers: &[Layer<'_>]) -> impl Iterator<Item = u32> {
 }
 
 /// Everything about a layer that its voxels share.
-struct Splatter<'a> {
+pub(super) struct Splatter<'a> {
     layer: &'a Layer<'a>,
     first_id: u32,
     screen: &'a Screen,
-    zbuffer: &'a ZBuffer,
+    /// Whether voxels are drawn that are not certified.
     candidates: bool,
     /// Centres of the voxels along each axis, from the eye.
     centers: [Vec<f64>; 3],
@@ -100,11 +60,11 @@ struct Splatter<'a> {
 }
 
 impl<'a> Splatter<'a> {
-    fn new(
+    /// A voxel's identity is its rank plus `first_id`.
+    pub(super) fn new(
         layer: &'a Layer<'a>,
         first_id: u32,
         screen: &'a Screen,
-        zbuffer: &'a ZBuffer,
         candidates: bool,
     ) -> Self {
         let lattice = layer.lattice;
@@ -116,41 +76,52 @@ impl<'a> Splatter<'a> {
             layer,
             first_id,
             screen,
-            zbuffer,
             candidates,
             centers: [0, 1, 2].map(|axis| centers(lattice, axis, screen.eye[axis])),
             extent: screen.extent(DVec3::splat(half)),
             half,
-            near: NEAR_VOXELS * size,
+            near: layer.near(),
         }
     }
 
-    /// Depth of the middle of `part`.
-    fn depth(&self, part: Part) -> f64 {
-        let Layer { storage, lattice, .. } = self.layer;
-        let levels_up = storage.depth() - part.level;
-        let corner =
-            |axis: usize, end: u32| lattice.corner(axis, (part.ijk[axis] + end) << levels_up);
-        let middle = [0, 1, 2].map(|axis| 0.5 * (corner(axis, 0) + corner(axis, 1)));
-        self.screen.forward.dot(DVec3::from_array(middle) - self.screen.eye)
-    }
-
-    /// Writes the voxels of `part` and returns their number.
-    fn part(&self, part: Part) -> u64 {
-        let mut n_voxels = 0;
-        self.layer.storage.visit(part, &mut |voxel| {
-            n_voxels += 1;
+    /// Writes the voxels of a block that touch `tile`.
+    pub(super) fn cubes(&self, block: &Block, tile: &Tile, zbuffer: &mut ZBuffer) {
+        self.layer.storage.visit(block.part, &mut |voxel| {
             if self.candidates || voxel.certified {
-                self.voxel(voxel);
+                self.cube(voxel, tile, zbuffer);
             }
         });
-        n_voxels
+    }
+
+    /// Writes the voxels of a block as points: each into the one sample that its centre is in.
+    pub(super) fn points(&self, block: &Block, tile: &Tile, zbuffer: &mut ZBuffer) {
+        self.layer.storage.visit(block.part, &mut |voxel| {
+            if !self.candidates && !voxel.certified {
+                return;
+            }
+            let Some((column, row, depth)) = self.screen.sample_of(self.center(voxel)) else {
+                return;
+            };
+            if depth >= self.near && tile.columns.contains(&column) && tile.rows.contains(&row) {
+                let key = Key::new(depth, self.first_id + voxel.rank);
+                zbuffer.met.offer(tile.sample(column, row), key);
+            }
+        });
     }
 
     #[inline]
-    fn voxel(&self, voxel: Voxel) {
-        let [x, y, z] = voxel.ijk.map(|i| i as usize);
-        let center = DVec3::new(self.centers[0][x], self.centers[1][y], self.centers[2][z]);
+    fn center(&self, voxel: Voxel) -> DVec3 {
+        let [x, y, z] = voxel.ijk;
+        DVec3::new(
+            self.centers[0][x as usize],
+            self.centers[1][y as usize],
+            self.centers[2][z as usize],
+        )
+    }
+
+    #[inline]
+    fn cube(&self, voxel: Voxel, tile: &Tile, zbuffer: &mut ZBuffer) {
+        let center = self.center(voxel);
         let Some(footprint) = self.screen.footprint(center, self.extent, self.near) else {
             return;
         };
@@ -159,10 +130,13 @@ impl<'a> Splatter<'a> {
         // as a covering one either, so it need not be written there.
         let nearest = Key::new(footprint.nearest, 0);
         let mut normal = None;
-        for row in footprint.rows {
-            for column in footprint.columns.clone() {
-                let pixel = row * self.screen.width + column;
-                if self.zbuffer.met.beats(pixel, nearest) {
+        let columns = footprint.columns.start.max(tile.columns.start)
+            ..footprint.columns.end.min(tile.columns.end);
+        for row in footprint.rows.start.max(tile.rows.start)..footprint.rows.end.min(tile.rows.end)
+        {
+            for column in columns.clone() {
+                let sample = tile.sample(column, row);
+                if zbuffer.met.beats(sample, nearest) {
                     continue;
                 }
                 let ray = self.screen.ray(column, row);
@@ -171,25 +145,33 @@ impl<'a> Splatter<'a> {
                     continue;
                 }
                 let normal = *normal.get_or_insert_with(|| voxel.normal.decode());
-                self.write(pixel, id, &ray, to_center, normal);
+                self.write(sample, id, &ray, to_center, normal, zbuffer);
             }
         }
     }
 
     /// Offers a voxel that the pixel's ray meets, met or covered.
     #[inline]
-    fn write(&self, pixel: usize, id: u32, ray: &Ray, to_center: DVec3, normal: DVec3) {
+    fn write(
+        &self,
+        sample: usize,
+        id: u32,
+        ray: &Ray,
+        to_center: DVec3,
+        normal: DVec3,
+        zbuffer: &mut ZBuffer,
+    ) {
         let t = normal.dot(to_center) / normal.dot(ray.direction);
         let from_center = (t * ray.direction - to_center).abs();
         if from_center.cmple(DVec3::splat(self.half)).all() && t >= self.near {
-            self.zbuffer.met.offer(pixel, Key::new(t, id));
+            zbuffer.met.offer(sample, Key::new(t, id));
         } else if let Some((enter, leave)) = self.segment(to_center, ray.direction) {
             // A ray in the plane or parallel to it has t infinite or not a number; the latter
             // counts as met.
             if t > leave {
-                self.zbuffer.covered.offer(pixel, Key::new(leave, id));
+                zbuffer.covered.offer(sample, Key::new(leave, id));
             } else {
-                self.zbuffer.met.offer(pixel, Key::new(enter, id));
+                zbuffer.met.offer(sample, Key::new(enter, id));
             }
         }
     }

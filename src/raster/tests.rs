@@ -7,7 +7,7 @@ use rayon::ThreadPoolBuilder;
 use super::{mock::Mock, screen::Screen, *};
 use crate::{
     Error,
-    math::{Aabb, Lattice},
+    math::{Aabb, Lattice, SimdLevel},
     progress::Unwatched,
 };
 
@@ -19,7 +19,8 @@ fn image(width: u32, height: u32) -> ImageSettings {
         height,
         background: None,
         lights: Vec::new(),
-        shade: Shade::Material,
+        shade: Shade::Voxel,
+        samples: 1,
         candidates: true,
     }
 }
@@ -29,7 +30,7 @@ fn view(projection: Projection, placement: Placement) -> View {
 }
 
 fn draw(layers: &[Layer<'_>], camera: &Camera, width: u32, height: u32) -> Frame {
-    render(layers, camera, &image(width, height), &Unwatched).unwrap()
+    render(layers, camera, &image(width, height), SimdLevel::detect(), &Unwatched).unwrap()
 }
 
 /// Whether the ray from depth `near` on meets a cube: slabs, straight from the book.
@@ -54,7 +55,7 @@ fn meets(origin: DVec3, direction: DVec3, center: DVec3, half: f64, near: f64) -
 /// smaller, between which the answer is a matter of rounding.
 fn check_coverage(mock: &Mock, camera: &Camera, width: u32, height: u32) {
     let frame = draw(&[mock.layer(WHITE)], camera, width, height);
-    let screen = Screen::new(camera, width, height);
+    let screen = Screen::new(camera, width, height, 1);
     let size = mock.lattice.voxel_size();
     for row in 0..height as usize {
         for column in 0..width as usize {
@@ -231,7 +232,7 @@ fn a_sphere_is_clean() {
         let placement = Placement::Fit { direction, margin: 0.03 };
         let view = view(Projection::Perspective { fov_degrees: 30.0 }, placement);
         let camera = Camera::new(&view, 1.0, &mock.layer(WHITE));
-        let screen = Screen::new(&camera, 300, 300);
+        let screen = Screen::new(&camera, 300, 300, 1);
         let frame = draw(&[mock.layer(WHITE)], &camera, 300, 300);
         for pixel in 0..frame.depth.len() {
             let Some(hit) = sphere_hit(&camera, &screen, pixel, radius) else { continue };
@@ -255,7 +256,7 @@ fn a_rim_before_another_surface_has_no_holes() {
     let view = view(Projection::Perspective { fov_degrees: 25.0 }, placement);
     let layers = [wall.layer([0.0, 0.0, 1.0]), ball.layer([1.0, 0.0, 0.0])];
     let camera = Camera::new(&view, 1.0, layers.as_slice());
-    let screen = Screen::new(&camera, 250, 250);
+    let screen = Screen::new(&camera, 250, 250, 1);
     let frame = draw(&layers, &camera, 250, 250);
     for pixel in 0..frame.depth.len() {
         let is_ball = sphere_hit(&camera, &screen, pixel, 0.5).is_some();
@@ -290,7 +291,8 @@ fn background_and_emptiness() {
     let view = view(Projection::Perspective { fov_degrees: 40.0 }, placement);
     let camera = Camera::new(&view, 1.0, &empty.layer(WHITE));
     let settings = ImageSettings { background: Some([0.1, 0.2, 0.3]), ..image(4, 4) };
-    let frame = render(&[empty.layer(WHITE)], &camera, &settings, &Unwatched).unwrap();
+    let frame =
+        render(&[empty.layer(WHITE)], &camera, &settings, SimdLevel::detect(), &Unwatched).unwrap();
     assert_eq!(frame, Frame::filled(4, 4, [0.1, 0.2, 0.3, 1.0]));
 }
 
@@ -309,6 +311,7 @@ fn cancelling_ends_the_run() {
     let placement = Placement::Fit { direction: DVec3::X, margin: 0.0 };
     let view = view(Projection::Perspective { fov_degrees: 40.0 }, placement);
     let camera = Camera::new(&view, 1.0, &mock.layer(WHITE));
-    let outcome = render(&[mock.layer(WHITE)], &camera, &image(8, 8), &Cancelled);
+    let outcome =
+        render(&[mock.layer(WHITE)], &camera, &image(8, 8), SimdLevel::detect(), &Cancelled);
     assert!(matches!(outcome, Err(Error::Interrupted)));
 }

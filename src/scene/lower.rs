@@ -41,6 +41,9 @@ const MAX_IMAGE_SIZE: i64 = 16_384;
 const MAX_COORDINATE: f64 = 1e12;
 
 const DEFAULT_RESOLUTION: i64 = 512;
+/// Samples along an edge of a pixel.
+const DEFAULT_SAMPLES: u32 = 2;
+
 const DEFAULT_IMAGE_SIZE: i64 = 1024;
 const DEFAULT_BACKGROUND: Background = Background::Color(Color([1.0; 3]));
 
@@ -173,11 +176,30 @@ impl<'a> Lower<'a> {
             },
             lights: self.lights(lights),
             shade: match spec.shade.unwrap_or_default() {
-                ShadeSpec::Material => Shade::Material,
+                ShadeSpec::Refine => Shade::Refine,
+                ShadeSpec::Slab => Shade::Slab,
+                ShadeSpec::Voxel => Shade::Voxel,
+                ShadeSpec::GlPoint => Shade::GlPoint,
                 ShadeSpec::Status => Shade::Status,
             },
+            samples: self.samples(spec),
             candidates: spec.candidates.unwrap_or(true),
         }
+    }
+
+    /// Samples along an edge of a pixel.
+    fn samples(&mut self, spec: &ImageSpec) -> u32 {
+        let Some(samples) = &spec.samples else { return DEFAULT_SAMPLES };
+        let n = self.whole("samples", spec.samples.as_ref(), 1..=64, 1);
+        let edge = n.isqrt();
+        if edge * edge != n {
+            self.errors.push(
+                Diagnostic::new(samples.span(), format!("`samples` is {n}"))
+                    .label("not a square number")
+                    .help("a pixel is divided evenly: write 1, 4, 9, 16, 25, 36, 49 or 64"),
+            );
+        }
+        edge
     }
 
     fn outputs(&mut self, name: &str, spec: &OutputSpec) -> Outputs {

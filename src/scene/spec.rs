@@ -254,21 +254,30 @@ pub(super) struct ImageSpec {
     pub(super) height: Option<Spanned<Whole>>,
     /// A colour or "transparent"; white by default.
     pub(super) background: Option<Background>,
-    /// What colours a surface has; "material" by default.
+    /// What stands for the surface in a voxel; "refine" by default.
     pub(super) shade: Option<ShadeSpec>,
+    /// Rays through a pixel: 1, 4, 9, 16, 25, 36, 49 or 64; 4 by default.
+    #[schemars(range(min = 1, max = 64))]
+    pub(super) samples: Option<Spanned<Whole>>,
     /// Whether voxels are drawn of which it is not proven that the surface passes through; true by
     /// default.
     pub(super) candidates: Option<bool>,
 }
 
-/// What colours a surface has.
+/// What stands for the surface in a voxel.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "snake_case")]
 pub(super) enum ShadeSpec {
-    /// Those of the scene.
+    /// The surface itself: exact outlines, exact normals.
     #[default]
-    Material,
-    /// Green where the surface provably passes through a voxel, red where that is not proven.
+    Refine,
+    /// A plane in each voxel, with a normal between those of the voxels around.
+    Slab,
+    /// A plane in each voxel, with the voxel's normal.
+    Voxel,
+    /// A point in each voxel, one pixel large, with holes in close-ups.
+    GlPoint,
+    /// As "voxel"; green where the surface provably passes through a voxel, red where that is not proven.
     Status,
 }
 

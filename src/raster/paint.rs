@@ -1,0 +1,301 @@
+//! What every sample of a tile shows.
+//!
+//! *Refine* follows each ray through the voxels to the surface itself. *Voxel* and *slab* draw
+//! voxels into a z-buffer; only at rims rays are followed too: a voxel covers what the surface in it
+//! covers, and no more.
+
+use glam::DVec3;
+
+use super::{
+    ImageSettings, Layer, Shade,
+    resolve::{Shown, Voxels},
+    screen::Screen,
+    splat::{Splatter, first_ids},
+    tile::{Block, Blocks, Tile},
+    trace::{Meeting, Quest, Trace, Traced},
+    walk::{Cells, Span},
+    zbuffer::ZBuffer,
+};
+use crate::octree::Part;
+
+/// What a sample shows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    /// The number of its layer.
+    pub(super) layer: usize,
+    pub(super) depth: f64,
+    /// Outward, of length 1.
+    pub(super) normal: DVec3,
+    /// Whether the surface provably passes through the voxel.
+    pub(super) certified: bool,
+}
+
+/// Everything that painting a tile needs to know.
+pub(super) struct Painter<'a> {
+    layers: &'a [Layer<'a>],
+    screen: &'a Screen,
+    blocks: &'a Blocks,
+    voxels: Voxels<'a>,
+    splatters: Vec<Splatter<'a>>,
+    shade: Shade,
+    candidates: bool,
+    /// Whether all surfaces can be traced.
+    has_formulas: bool,
+}
+
+impl<'a> Painter<'a> {
+    pub(super) fn new(
+        layers: &'a [Layer<'a>],
+        screen: &'a Screen,
+        blocks: &'a Blocks,
+        image: &ImageSettings,
+    ) -> Self {
+        let candidates = image.candidates;
+        let splatter = |(first_id, layer)| Splatter::new(layer, first_id, screen, candidates);
+        Self {
+            layers,
+            screen,
+            blocks,
+            voxels: Voxels::new(layers),
+            splatters: first_ids(layers).zip(layers).map(splatter).collect(),
+            shade: image.shade,
+            candidates,
+            has_formulas: layers.iter().all(|layer| layer.tape.is_some()),
+        }
+    }
+
+    /// What each sample of the tile in the given column and row of tiles shows.
+    pub(super) fn paint(
+        &self,
+        place: (usize, usize),
+        tile: &Tile,
+        tracer: &mut dyn Trace,
+    ) -> Vec<Option<Seen>> {
+        match self.shade {
+            Shade::GlPoint => {
+                let mut zbuffer = ZBuffer::new(tile);
+                for block in self.blocks.of_tile(place.0, place.1) {
+                    self.splatters[block.layer].points(block, tile, &mut zbuffer);
+                }
+                let hits = (0..tile.n_samples()).map(|sample| zbuffer.met.get(sample));
+                hits.map(|hit| hit.map(|hit| self.voxels.seen(hit))).collect()
+            }
+            Shade::Refine if self.has_formulas => {
+                let mut seen = vec![None; tile.n_samples()];
+                let wanted = vec![f64::INFINITY; tile.n_samples()];
+                self.trace(place, tile, wanted, tracer, &mut seen, false);
+                seen
+            }
+            Shade::Refine | Shade::Voxel | Shade::Slab | Shade::Status => {
+                let mut seen = self.splat(place, tile, tracer);
+                if self.shade == Shade::Slab {
+                    for (sample, seen) in seen.iter_mut().enumerate() {
+                        if let Some(seen) = seen {
+                            seen.normal = self.blended(tile, sample, seen);
+                        }
+                    }
+                }
+                seen
+            }
+        }
+    }
+
+    /// By voxels in a z-buffer.
+    fn splat(
+        &self,
+        place: (usize, usize),
+        tile: &Tile,
+        tracer: &mut dyn Trace,
+    ) -> Vec<Option<Seen>> {
+        let mut zbuffer = ZBuffer::new(tile);
+        for block in self.blocks.of_tile(place.0, place.1) {
+            let Some(part) = block.extent.intersection(tile) else { continue };
+            if !zbuffer.hides(tile, &part, block.nearest) {
+                self.splatters[block.layer].cubes(block, tile, &mut zbuffer);
+            }
+        }
+        let shown: Vec<Option<Shown>> = (0..tile.n_samples())
+            .map(|sample| {
+                let (column, row) = tile.place(sample);
+                let (met, covered) = (zbuffer.met.get(sample), zbuffer.covered.get(sample));
+                self.voxels.shown(&self.screen.ray(column, row), met, covered)
+            })
+            .collect();
+        let mut seen: Vec<_> = shown.iter().map(|shown| shown.map(|shown| shown.seen)).collect();
+        if self.has_formulas {
+            let mut wanted = vec![f64::NEG_INFINITY; tile.n_samples()];
+            for sample in (0..tile.n_samples()).filter(|&i| self.is_at_rim(tile, &shown, i)) {
+                wanted[sample] = f64::INFINITY;
+                seen[sample] = None;
+            }
+            self.trace(place, tile, wanted, tracer, &mut seen, true);
+        }
+        seen
+    }
+
+    /// Whether the surface in a voxel may have ended before the ray of the sample that shows it.
+    fn is_at_rim(&self, tile: &Tile, shown: &[Option<Shown>], sample: usize) -> bool {
+        let Some(Shown { seen, is_met }) = shown[sample] else { return false };
+        let (column, row) = tile.place(sample);
+        let direction = self.screen.ray(column, row).direction;
+        let is_grazed = seen.normal.dot(direction).abs() < GRAZING * direction.length();
+        let is_border = column == tile.columns.start
+            || column + 1 == tile.columns.end
+            || row == tile.rows.start
+            || row + 1 == tile.rows.end;
+        if !is_met || is_grazed || is_border {
+            return true;
+        }
+        let step = STEP_VOXELS * self.layers[seen.layer].lattice.voxel_size();
+        let width = tile.columns.len();
+        [sample - 1, sample + 1, sample - width, sample + width].into_iter().any(|neighbour| {
+            shown[neighbour].is_none_or(|other| (other.seen.depth - seen.depth).abs() > step)
+        })
+    }
+
+    /// Follows the rays of all samples to the surface, as far as `farthest` says, and notes what
+    /// they meet in `seen`; with the normals of voxels, or those of the surface.
+    fn trace(
+        &self,
+        place: (usize, usize),
+        tile: &Tile,
+        mut farthest: Vec<f64>,
+        tracer: &mut dyn Trace,
+        seen: &mut [Option<Seen>],
+        of_voxels: bool,
+    ) {
+        let (mut quests, mut meetings): (Vec<Quest>, Vec<Meeting>) = (Vec::new(), Vec::new());
+        for block in self.blocks.of_tile(place.0, place.1) {
+            let Some(part) = block.extent.intersection(tile) else { continue };
+            let layer = &self.layers[block.layer];
+            let Some(tape) = layer.tape else { continue };
+            let is_open = |row: usize| {
+                let first = tile.sample(part.columns.start, row);
+                farthest[first..first + part.columns.len()].iter().any(|&d| d > block.nearest)
+            };
+            if !part.rows.clone().any(is_open) {
+                continue;
+            }
+            let (eye, near) = (self.screen.eye, layer.near());
+            let cells = &cells(layer, block.part, eye, self.candidates);
+            let depths = self.depths(cells, near, &part);
+            quests.clear();
+            for row in part.rows.clone() {
+                for column in part.columns.clone() {
+                    let sample = tile.sample(column, row);
+                    let Span { from, to } = depths[part.sample(column, row)];
+                    let farthest = farthest[sample].min(to);
+                    if from < farthest {
+                        let ray = self.screen.ray(column, row);
+                        quests.push(Quest { sample: sample as u32, ray, from, farthest });
+                    }
+                }
+            }
+            if quests.is_empty() {
+                continue;
+            }
+            meetings.clear();
+            tracer.trace(&Traced { tape, cells, eye }, &quests, &mut meetings);
+            for meeting in &meetings {
+                let sample = meeting.sample as usize;
+                if meeting.depth < farthest[sample] {
+                    farthest[sample] = meeting.depth;
+                    seen[sample] = Some(self.met(block, tile, meeting, of_voxels));
+                }
+            }
+        }
+    }
+
+    /// Between which depths the ray of each sample of `part` can meet `cells`.
+    fn depths(&self, cells: &Cells, near: f64, part: &Tile) -> Vec<Span> {
+        let never = Span { from: f64::INFINITY, to: f64::NEG_INFINITY };
+        let mut depths = vec![never; part.n_samples()];
+        let (centers, half) = cells.boxes();
+        let extent = self.screen.extent(DVec3::splat(half * (1.0 + 1e-6)));
+        for center in centers {
+            let Some(footprint) = self.screen.footprint(center, extent, near) else { continue };
+            let touched = Tile { columns: footprint.columns, rows: footprint.rows };
+            let Some(touched) = touched.intersection(part) else { continue };
+            let (from, to) = (footprint.nearest, footprint.farthest);
+            for row in touched.rows {
+                let first = part.sample(touched.columns.start, row);
+                for span in &mut depths[first..first + touched.columns.len()] {
+                    span.from = if from < span.from { from } else { span.from };
+                    span.to = if to > span.to { to } else { span.to };
+                }
+            }
+        }
+        depths
+    }
+
+    /// What a sample shows whose ray meets the surface.
+    fn met(&self, block: &Block, tile: &Tile, meeting: &Meeting, of_voxels: bool) -> Seen {
+        let layer = &self.layers[block.layer];
+        let (column, row) = tile.place(meeting.sample as usize);
+        let point = self.screen.eye + self.screen.ray(column, row).at(meeting.depth);
+        let Meeting { depth, gradient, .. } = *meeting;
+        let own = unit(gradient).filter(|_| !of_voxels);
+        let rank = layer.storage.find(layer.lattice.voxel_at(point));
+        let normal = own.or_else(|| rank.map(|rank| layer.storage.normal(rank).decode()));
+        Seen {
+            layer: block.layer,
+            depth,
+            normal: normal.or_else(|| unit(gradient)).unwrap_or(DVec3::Z),
+            certified: rank.is_some_and(|rank| layer.storage.is_certified(rank)),
+        }
+    }
+
+    /// The normal between those of the voxels around, as far as they belong to the same sheet.
+    fn blended(&self, tile: &Tile, sample: usize, seen: &Seen) -> DVec3 {
+        let Layer { storage, lattice, .. } = &self.layers[seen.layer];
+        let (column, row) = tile.place(sample);
+        let point = self.screen.eye + self.screen.ray(column, row).at(seen.depth);
+        let at = (point - lattice.bounds().min) / lattice.voxel_size() - 0.5;
+        let (first, part) = (at.floor(), at - at.floor());
+        let mut sum = DVec3::ZERO;
+        for c in 0..8_u32 {
+            let mut weight = 1.0;
+            let mut ijk = [0; 3];
+            for axis in 0..3 {
+                let step = c >> axis & 1;
+                weight *= if step == 1 { part[axis] } else { 1.0 - part[axis] };
+                // Below the lattice this saturates at its first voxel.
+                ijk[axis] = (first[axis] + f64::from(step)) as u32;
+            }
+            if let Some(rank) = storage.find(ijk) {
+                let normal = storage.normal(rank).decode();
+                if normal.dot(seen.normal) > 0.0 {
+                    sum += weight * normal;
+                }
+            }
+        }
+        unit(sum).unwrap_or(seen.normal)
+    }
+}
+
+/// Sine of the angle between ray and plane below which the ray may pass over the surface where it
+/// meets the plane.
+const GRAZING: f64 = 0.3;
+
+/// Between neighbours whose depths differ by more voxels than this there may be a rim.
+const STEP_VOXELS: f64 = 4.0;
+
+/// A vector made of length 1; `None` if it has no direction.
+fn unit(v: DVec3) -> Option<DVec3> {
+    let largest = v.abs().max_element();
+    (v.is_finite() && largest > f64::MIN_POSITIVE).then(|| (v / largest).normalize())
+}
+
+/// The voxels of a part of a layer.
+fn cells(layer: &Layer<'_>, part: Part, eye: DVec3, candidates: bool) -> Cells {
+    let Layer { storage, lattice, .. } = layer;
+    let first = part.ijk.map(|i| i << (storage.depth() - part.level));
+    let corner = [0, 1, 2].map(|axis| lattice.corner(axis, first[axis]));
+    let mut cells = Cells::new(DVec3::from_array(corner) - eye, lattice.voxel_size());
+    storage.visit(part, &mut |voxel| {
+        if candidates || voxel.certified {
+            cells.insert([0, 1, 2].map(|axis| voxel.ijk[axis] - first[axis]));
+        }
+    });
+    cells
+}

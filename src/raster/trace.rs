@@ -1,0 +1,410 @@
+//! Where rays meet the surface itself: proven misses, bracketed roots.
+//!
+//! A voxel says that the surface may be in it, not where. Along the part of a ray in it F is a
+//! function of one variable, of which intervals tell everything that is needed: if F is not 0
+//! there the ray goes on to the next voxel, and if the slope along the ray has one sign the signs
+//! at the ends tell whether there is a root, and there is only one. Otherwise the part is halved,
+//! the nearer half first. A part that stays open when it is a thousandth of a voxel counts as a
+//! hit: the ray touches the surface.
+//!
+//! The rays of a block are followed 64 at a time, each from cell to cell by itself.
+//!
+//! *Based on:* D. Mitchell, "Robust Ray Intersection with Interval Arithmetic", Graphics Interface
+//! 1990.
+
+use fearless_simd::{Simd, f64x8};
+use glam::DVec3;
+
+use super::{
+    screen::Ray,
+    walk::{Cells, Span, Walk},
+};
+use crate::{
+    eval::{
+        BATCH, BoxEvaluator, Boxes, GradientEvaluator, POINT_BATCH, PointEvaluator, Points,
+        SlopeEvaluator,
+    },
+    expr::Tape,
+    math::{SimdLevel, SimdTask},
+};
+
+/// A ray that is followed through a block.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Quest {
+    /// Its sample in the tile.
+    pub(super) sample: u32,
+    pub(super) ray: Ray,
+    /// What is nearer than this does not matter; in front of the eye.
+    pub(super) from: f64,
+    /// What is farther away than this does not matter.
+    pub(super) farthest: f64,
+}
+
+/// Where a ray meets the surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meeting {
+    /// The sample of the ray.
+    pub(super) sample: u32,
+    pub(super) depth: f64,
+    /// The gradient there, which may be zero or not finite.
+    pub(super) gradient: DVec3,
+}
+
+/// Finds where rays meet a surface; a thread's own.
+pub(super) trait Trace: Send {
+    /// Finds the first meeting of each quest with the surface of `tape` in `cells`.
+    fn trace(&mut self, scene: &Traced<'_>, quests: &[Quest], meetings: &mut Vec<Meeting>);
+}
+
+/// What rays are followed through.
+#[derive(Clone, Copy)]
+pub(super) struct Traced<'a> {
+    pub(super) tape: &'a Tape,
+    pub(super) cells: &'a Cells,
+    pub(super) eye: DVec3,
+}
+
+/// A tracer for the instruction set.
+pub(super) fn tracer(simd: SimdLevel) -> Box<dyn Trace> {
+    struct New;
+    impl SimdTask for New {
+        type Output = Box<dyn Trace>;
+
+        fn run<S: Simd>(self, simd: S) -> Box<dyn Trace> {
+            Box::new(Tracer::new(simd))
+        }
+    }
+    simd.run(New)
+}
+
+/// How often a part of a ray is halved.
+const MAX_HALVINGS: u32 = 10;
+
+/// Roots are found to this part of the length of their bracket.
+const PRECISION: f64 = 1e-9;
+
+/// Steps that are enough for any bracket, by bisection alone.
+const MAX_STEPS: usize = 60;
+
+struct Tracer<S: Simd> {
+    values: BoxEvaluator<f64x8<S>, { BATCH / 8 }>,
+    slopes: SlopeEvaluator<f64x8<S>, { BATCH / 8 }>,
+    points: PointEvaluator<S>,
+    gradients: GradientEvaluator<S>,
+    boxes: Boxes<f64>,
+}
+
+/// A quest on its way.
+struct Lane<'a> {
+    quest: &'a Quest,
+    walk: Walk,
+    /// Parts that are still to be looked at, the nearest last, and how often each was halved.
+    parts: Vec<(Span, u32)>,
+}
+
+/// A root between two depths, with F there.
+#[derive(Clone, Copy)]
+struct Bracket {
+    lane: usize,
+    ray: Ray,
+    span: Span,
+    values: [f64; 2],
+    is_in_region: bool,
+}
+
+/// What became of a part.
+enum Outcome {
+    /// No surface.
+    Miss,
+    /// Exactly one root, by the values at the ends.
+    Root,
+    /// To be halved.
+    Open,
+}
+
+impl<S: Simd> Tracer<S> {
+    fn new(simd: S) -> Self {
+        Self {
+            values: BoxEvaluator::new(simd),
+            slopes: SlopeEvaluator::new(simd),
+            points: PointEvaluator::new(simd),
+            gradients: GradientEvaluator::new(simd),
+            boxes: Boxes::default(),
+        }
+    }
+}
+
+impl<S: Simd> Trace for Tracer<S> {
+    fn trace(&mut self, scene: &Traced<'_>, quests: &[Quest], meetings: &mut Vec<Meeting>) {
+        let first_meeting = meetings.len();
+        let shortened = (scene.tape.n_choices() > 0).then(|| self.shortened(scene));
+        let scene = &Traced { tape: shortened.as_ref().unwrap_or(scene.tape), ..*scene };
+        let mut rest = quests.iter();
+        let mut lanes: Vec<Lane<'_>> = Vec::with_capacity(BATCH);
+        loop {
+            lanes.retain_mut(|lane| lane.advance(scene));
+            while lanes.len() < BATCH {
+                let Some(quest) = rest.next() else { break };
+                lanes.extend(Lane::begin(quest, scene));
+            }
+            if lanes.is_empty() {
+                break;
+            }
+            let mut brackets = Vec::with_capacity(lanes.len());
+            self.test(scene, &mut lanes, &mut brackets, meetings);
+            self.find_roots(scene, &mut lanes, &mut brackets, meetings);
+        }
+        self.find_gradients(scene, quests, &mut meetings[first_meeting..]);
+    }
+}
+
+impl<'a> Lane<'a> {
+    /// The quest at its first cell, if there is one.
+    fn begin(quest: &'a Quest, scene: &Traced<'_>) -> Option<Self> {
+        let walk = Walk::new(scene.cells, &quest.ray, quest.from)?;
+        let mut lane = Self { quest, walk, parts: Vec::new() };
+        lane.advance(scene).then_some(lane)
+    }
+
+    /// Goes on to the next part, unless one is left; false if there is none.
+    fn advance(&mut self, scene: &Traced<'_>) -> bool {
+        if self.parts.is_empty() && self.walk.depth() <= self.quest.farthest {
+            let span = self.walk.next_cell(scene.cells);
+            self.parts.extend(span.map(|span| (span, 0)));
+        }
+        !self.parts.is_empty()
+    }
+
+    /// Nothing more is looked for.
+    fn finish(&mut self) {
+        self.parts.clear();
+        self.quest = &NOTHING;
+    }
+}
+
+/// What a lane looks for when it is done.
+static NOTHING: Quest = Quest {
+    sample: 0,
+    ray: Ray { origin: DVec3::ZERO, direction: DVec3::Z },
+    from: 0.0,
+    farthest: f64::NEG_INFINITY,
+};
+
+impl<S: Simd> Tracer<S> {
+    /// The tape where its choices went as they do in all cells.
+    fn shortened(&mut self, scene: &Traced<'_>) -> Tape {
+        let (min, max) = scene.cells.bounds();
+        for axis in 0..3 {
+            self.boxes.lo[axis][0] = scene.eye[axis] + min[axis];
+            self.boxes.hi[axis][0] = scene.eye[axis] + max[axis];
+        }
+        self.values.eval(scene.tape, &self.boxes, 1, true);
+        scene.tape.shortened(self.values.choices(0))
+    }
+
+    /// Tests the nearest part of every lane: takes it off, halves it, or finds a bracket or, where
+    /// it was halved often enough, a meeting.
+    fn test(
+        &mut self,
+        scene: &Traced<'_>,
+        lanes: &mut [Lane<'_>],
+        brackets: &mut Vec<Bracket>,
+        meetings: &mut Vec<Meeting>,
+    ) {
+        for (i, lane) in lanes.iter().enumerate() {
+            let (span, _) = lane.parts[lane.parts.len() - 1];
+            let from = scene.eye + lane.quest.ray.at(span.from);
+            let to = scene.eye + lane.quest.ray.at(span.to);
+            for axis in 0..3 {
+                let (a, b) = (from[axis], to[axis]);
+                let (lo, hi) = if a < b { (a, b) } else { (b, a) };
+                let rounding = 4.0 * f64::EPSILON * (scene.eye[axis].abs() + lo.abs() + hi.abs());
+                self.boxes.lo[axis][i] = lo - rounding;
+                self.boxes.hi[axis][i] = hi + rounding;
+            }
+        }
+        let found = self.slopes.gradients(scene.tape, &self.boxes, lanes.len());
+        let verdict = found.verdict;
+        let is_open = |i: usize| (verdict.empty | verdict.negative) >> i & 1 == 0;
+        let open: Vec<usize> = (0..lanes.len()).filter(|&i| is_open(i)).collect();
+        (0..lanes.len()).filter(|&i| !is_open(i)).for_each(|i| {
+            lanes[i].parts.pop();
+        });
+        for some in open.chunks(POINT_BATCH / 2) {
+            let mut ends: Points = [[0.0; POINT_BATCH]; 3];
+            for (k, &i) in some.iter().enumerate() {
+                let (span, _) = lanes[i].parts[lanes[i].parts.len() - 1];
+                for (end, depth) in [span.from, span.to].into_iter().enumerate() {
+                    let p = scene.eye + lanes[i].quest.ray.at(depth);
+                    (0..3).for_each(|axis| ends[axis][2 * k + end] = p[axis]);
+                }
+            }
+            let values = self.points.eval(scene.tape, &ends);
+            for (k, &i) in some.iter().enumerate() {
+                let values = [values[2 * k], values[2 * k + 1]];
+                let Some((span, halvings)) = lanes[i].parts.pop() else { continue };
+                let quest = lanes[i].quest;
+                let is_continuous = verdict.continuous >> i & 1 == 1;
+                let slope = self.slope_along(i, quest.ray.direction);
+                match outcome(values, slope, span.to - span.from, is_continuous) {
+                    Outcome::Miss => {}
+                    Outcome::Root => brackets.push(Bracket {
+                        lane: i,
+                        ray: quest.ray,
+                        span,
+                        values,
+                        is_in_region: verdict.in_region >> i & 1 == 1,
+                    }),
+                    Outcome::Open if halvings == MAX_HALVINGS => {
+                        let depth = 0.5 * (span.from + span.to);
+                        if depth <= quest.farthest {
+                            let (sample, gradient) = (quest.sample, DVec3::ZERO);
+                            meetings.push(Meeting { sample, depth, gradient });
+                        }
+                        lanes[i].finish();
+                    }
+                    Outcome::Open => {
+                        let middle = 0.5 * (span.from + span.to);
+                        let far = Span { from: middle, to: span.to };
+                        let near = Span { from: span.from, to: middle };
+                        lanes[i].parts.push((far, halvings + 1));
+                        lanes[i].parts.push((near, halvings + 1));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Bounds of the slope of F along a ray, over the box of lane `i`.
+    fn slope_along(&self, i: usize, direction: DVec3) -> [f64; 2] {
+        let Boxes { lo, hi } = self.slopes.slopes();
+        let (mut least, mut most) = (0.0, 0.0);
+        for axis in 0..3 {
+            let d = direction[axis];
+            let (a, b) = (lo[axis][i] * d, hi[axis][i] * d);
+            least += if a < b { a } else { b };
+            most += if a < b { b } else { a };
+        }
+        [least, most]
+    }
+
+    /// Finds the roots of brackets, each a meeting if it lies in the tape's region.
+    fn find_roots(
+        &mut self,
+        scene: &Traced<'_>,
+        lanes: &mut [Lane<'_>],
+        brackets: &mut [Bracket],
+        meetings: &mut Vec<Meeting>,
+    ) {
+        for some in brackets.chunks_mut(POINT_BATCH) {
+            let mut points: Points = [[0.0; POINT_BATCH]; 3];
+            let mut depths = [0.0; POINT_BATCH];
+            let mut in_region = u64::MAX;
+            let mut is_found = [false; POINT_BATCH];
+            // The side whose end did not move in the last step.
+            let mut stayed = [None; POINT_BATCH];
+            for step in 0..MAX_STEPS {
+                for (k, bracket) in some.iter().enumerate().filter(|&(k, _)| !is_found[k]) {
+                    depths[k] = bracket.guess(step);
+                    let p = scene.eye + bracket.ray.at(depths[k]);
+                    (0..3).for_each(|axis| points[axis][k] = p[axis]);
+                }
+                let values = self.points.eval(scene.tape, &points);
+                in_region = self.points.in_region();
+                for (k, bracket) in some.iter_mut().enumerate() {
+                    is_found[k] =
+                        is_found[k] || bracket.narrow(depths[k], values[k], &mut stayed[k]);
+                }
+                if is_found[..some.len()].iter().all(|&is| is) {
+                    break;
+                }
+            }
+            for (k, bracket) in some.iter().enumerate() {
+                let quest = lanes[bracket.lane].quest;
+                if bracket.is_in_region || in_region >> k & 1 == 1 {
+                    if depths[k] <= quest.farthest {
+                        let (sample, depth) = (quest.sample, depths[k]);
+                        meetings.push(Meeting { sample, depth, gradient: DVec3::ZERO });
+                    }
+                    lanes[bracket.lane].finish();
+                }
+            }
+        }
+    }
+
+    fn find_gradients(&mut self, scene: &Traced<'_>, quests: &[Quest], meetings: &mut [Meeting]) {
+        // Quests come in the order of their samples.
+        let ray_of = |sample: u32| quests[quests.partition_point(|q| q.sample < sample)].ray;
+        for some in meetings.chunks_mut(POINT_BATCH) {
+            let mut points: Points = [[0.0; POINT_BATCH]; 3];
+            for (k, meeting) in some.iter().enumerate() {
+                let p = scene.eye + ray_of(meeting.sample).at(meeting.depth);
+                (0..3).for_each(|axis| points[axis][k] = p[axis]);
+            }
+            let [x, y, z] = self.gradients.eval(scene.tape, &points);
+            for (k, meeting) in some.iter_mut().enumerate() {
+                meeting.gradient = DVec3::new(x[k], y[k], z[k]);
+            }
+        }
+    }
+}
+
+/// What the values at both ends of a part tell, with bounds of the slope between them.
+fn outcome([f, g]: [f64; 2], [least, most]: [f64; 2], length: f64, is_continuous: bool) -> Outcome {
+    if !(f.is_finite() && g.is_finite() && is_continuous) {
+        return Outcome::Open;
+    }
+    let is_monotone = least >= 0.0 || most <= 0.0;
+    match ((f < 0.0) != (g < 0.0), is_monotone) {
+        (true, true) => Outcome::Root,
+        (false, true) => Outcome::Miss,
+        (true, false) => Outcome::Open,
+        (false, false) => {
+            // From both ends F can come no closer to 0 than where the steepest lines meet.
+            let (f, g, down, up) =
+                if f < 0.0 { (-f, -g, -most, -least) } else { (f, g, least, most) };
+            let closest = (up * f - down * g + up * down * length) / (up - down);
+            if closest > 1e-12 * (f + g) { Outcome::Miss } else { Outcome::Open }
+        }
+    }
+}
+
+impl Bracket {
+    /// Where the root is looked for next.
+    fn guess(&self, step: usize) -> f64 {
+        let Span { from, to } = self.span;
+        let [f, g] = self.values;
+        // Where the line through both ends is 0; now and then the middle, which always helps.
+        let at = from + (to - from) * (f / (f - g));
+        if step % 4 == 3 || !(at >= from && at <= to) { 0.5 * (from + to) } else { at }
+    }
+
+    /// Takes F = `value` at `depth` for a new end; true if it is the root.
+    fn narrow(&mut self, depth: f64, value: f64, stayed: &mut Option<usize>) -> bool {
+        let Span { from, to } = self.span;
+        let [f, g] = self.values;
+        if value == 0.0 || to <= from || !value.is_finite() {
+            return true;
+        }
+        let replaced = usize::from((value < 0.0) != (f < 0.0));
+        let moved = if replaced == 0 { depth - from } else { to - depth };
+        let is_done =
+            moved <= PRECISION * (to - from) || value.abs() <= 1e-14 * (f.abs() + g.abs());
+        if is_done {
+            return true;
+        }
+        // Illinois: an end that stays counts for half, so that both ends close in.
+        let kept = 1 - replaced;
+        if *stayed == Some(kept) {
+            self.values[kept] *= 0.5;
+        }
+        *stayed = Some(kept);
+        self.values[replaced] = value;
+        if replaced == 0 {
+            self.span.from = depth;
+        } else {
+            self.span.to = depth;
+        }
+        false
+    }
+}
