@@ -46,7 +46,7 @@ fn draw(scene: &Scene, lattice: &Lattice, octree: &MortonOctree) -> Frame {
     let tape = scene.surfaces[0].expr.tape();
     let layers = [Layer { storage: octree, lattice, material, tape: Some(&tape) }];
     let camera = Camera::new(&scene.view, 1.0, layers.as_slice());
-    raster::render(&layers, &camera, &scene.image, SimdLevel::detect(), &Unwatched).unwrap()
+    raster::render(&layers, &[], &camera, &scene.image, SimdLevel::detect(), &Unwatched).unwrap()
 }
 
 #[divan::bench(args = SCENES)]

@@ -85,6 +85,7 @@ pub mod math;
 pub mod octree;
 pub mod output;
 pub mod pipeline;
+pub mod polygons;
 pub mod progress;
 pub mod raster;
 pub mod scene;

@@ -10,7 +10,7 @@ use crate::{
     octree::Storage,
     output::{self, exr, png},
     progress::Progress,
-    raster::{self, Camera, Frame, Layer},
+    raster::{self, Camera, Drawn, Frame, Layer},
     scene::{Scene, Surface},
     statistics::{self, Boxes, DomainBox, Statistics, Times, Voxels, hex},
     voxelize::{self, Settings, Voxelization},
@@ -140,8 +140,9 @@ fn render_with_all_threads(
         })
         .collect();
     let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
-    let camera = Camera::new(&scene.view, aspect, layers.as_slice());
-    let frame = raster::render(&layers, &camera, &scene.image, simd, progress)?;
+    let content = Drawn { layers: &layers, models: &scene.models };
+    let camera = Camera::new(&scene.view, aspect, &content);
+    let frame = raster::render(&layers, &scene.models, &camera, &scene.image, simd, progress)?;
     let rasterize = start.elapsed().as_secs_f64();
 
     let statistics = Statistics {

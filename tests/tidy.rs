@@ -10,7 +10,7 @@ use std::{
 
 /// Every top-level module with the modules that it may use; data flows from left to right through
 /// the pipeline, so nobody uses what comes after.
-const MAY_USE: [(&str, &[&str]); 17] = [
+const MAY_USE: [(&str, &[&str]); 18] = [
     ("math", &[]),
     ("diagnostic", &[]),
     ("progress", &[]),
@@ -19,9 +19,10 @@ const MAY_USE: [(&str, &[&str]); 17] = [
     ("expr", &["diagnostic", "math"]),
     ("eval", &["expr", "math"]),
     ("voxelize", &["eval", "expr", "math", "octree", "progress"]),
-    ("raster", &["math", "octree", "progress"]),
+    ("polygons", &[]),
+    ("raster", &["eval", "expr", "math", "octree", "polygons", "progress"]),
     ("output", &["raster"]),
-    ("scene", &["diagnostic", "expr", "math", "octree", "raster", "voxelize"]),
+    ("scene", &["diagnostic", "expr", "math", "octree", "polygons", "raster", "voxelize"]),
     ("statistics", &["math", "octree", "raster", "voxelize"]),
     ("limits", &["math", "octree", "raster"]),
     ("advice", &["expr", "math", "octree", "voxelize"]),
@@ -29,6 +30,7 @@ const MAY_USE: [(&str, &[&str]); 17] = [
         "pipeline",
         &[
             "advice",
+            "expr",
             "limits",
             "math",
             "octree",

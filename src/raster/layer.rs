@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Content, Material, fit::fold_reach};
+use super::{Content, Material, Model, fit::fold_reach};
 use crate::{expr::Tape, math::Lattice, octree::Storage};
 
 /// The voxels of one surface and how they look.
@@ -26,6 +26,22 @@ impl Layer<'_> {
     /// Depth of the near plane.
     pub(super) fn near(&self) -> f64 {
         NEAR_VOXELS * self.lattice.voxel_size()
+    }
+}
+
+/// All that a picture shows.
+#[derive(Clone, Copy)]
+pub struct Drawn<'a> {
+    /// The surfaces.
+    pub layers: &'a [Layer<'a>],
+    /// The polygon models.
+    pub models: &'a [Model],
+}
+
+impl Content for Drawn<'_> {
+    fn reach<const N: usize>(&self, directions: [DVec3; N]) -> [f64; N] {
+        let of_models = self.models.iter().map(|model| model.reach(directions));
+        fold_reach(of_models.chain([self.layers.reach(directions)]))
     }
 }
 

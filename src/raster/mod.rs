@@ -1,17 +1,19 @@
-//! Voxels to pictures: every voxel is a small cube that is projected by itself, like a point.
+//! Voxels to pictures, tile by tile.
 //!
-//! A picture is made in two passes. The first writes voxels into a z-buffer (`splat`, `zbuffer`):
-//! a voxel reaches every pixel whose centre ray meets its cube, so a surface that lies in the
-//! union of its voxels has no holes. The second looks at every pixel once, chooses the voxel that
-//! it shows (`resolve`) and lights it (`shade`, `light`).
+//! The picture is cut into tiles, and each is drawn by one thread, from the blocks of voxels that it
+//! may show, the nearest first (`tile`). What a sample shows is found by `paint`: its ray goes
+//! through the voxels to the surface itself (`walk`, `trace`), or the voxels are drawn into a
+//! z-buffer, each a small cube that is projected by itself, like a point (`splat`, `zbuffer`,
+//! `resolve`). Polygon models come last (`triangles`). Then samples are lit and become pixels
+//! (`shade`, `light`).
 //!
-//! Both passes run on all threads, and the picture is the same bits for any number of them.
+//! The picture is the same bits for any number of threads.
 //!
 //! *Based on:* N. Stolte, A. Kaufman, "Parallel Spatial Enumeration of Implicit Surfaces Using
 //! Interval Arithmetic for Octree Generation and Its Direct Visualization", 1998, section 5
-//! (voxels drawn as points); M. Schütz, B. Kerbl, M. Wimmer, "Rendering Point Clouds with Compute
-//! Shaders and Vertex Order Optimization", Computer Graphics Forum 2021 (a z-buffer of 64-bit
-//! integers, depth above identity, filled by atomic minima).
+//! (voxels drawn as points, beside polygons in one z-buffer); M. Schütz, B. Kerbl, M. Wimmer,
+//! "Rendering Point Clouds with Compute Shaders and Vertex Order Optimization", Computer Graphics
+//! Forum 2021 (a z-buffer of 64-bit integers, depth above identity).
 
 mod camera;
 mod digest;
@@ -31,6 +33,7 @@ mod splat;
 mod tests;
 mod tile;
 mod trace;
+mod triangles;
 mod walk;
 mod zbuffer;
 
@@ -38,13 +41,15 @@ pub use camera::Camera;
 pub use digest::{FrameDigest, PlaneDigest};
 pub use fit::Content;
 pub use frame::Frame;
-pub use layer::Layer;
+pub use layer::{Drawn, Layer};
 pub use settings::{Axes, ImageSettings, Light, Material, Placement, Projection, Shade, View};
+
+pub use triangles::Model;
 
 use crate::{Result, math::SimdLevel, progress::Progress};
 use screen::Screen;
 
-/// Draws `layers` as `camera` sees them.
+/// Draws `layers` and `models` as `camera` sees them.
 ///
 /// The camera must have been made for the picture's aspect, or the picture is stretched.
 ///
@@ -55,11 +60,12 @@ use screen::Screen;
 /// If the layers hold 2^32 voxels or more together.
 pub fn render(
     layers: &[Layer<'_>],
+    models: &[Model],
     camera: &Camera,
     image: &ImageSettings,
     simd: SimdLevel,
     progress: &dyn Progress,
 ) -> Result<Frame> {
     let screen = Screen::new(camera, image.width, image.height, image.samples);
-    shade::shade(layers, &screen, image, simd, progress)
+    shade::shade(layers, models, &screen, image, simd, progress)
 }

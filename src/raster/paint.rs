@@ -13,6 +13,7 @@ use super::{
     splat::{Splatter, first_ids},
     tile::{Block, Blocks, Tile},
     trace::{Meeting, Quest, Trace, Traced},
+    triangles::Triangles,
     walk::{Cells, Span},
     zbuffer::ZBuffer,
 };
@@ -28,13 +29,19 @@ pub(super) struct Seen {
     pub(super) normal: DVec3,
     /// Whether the surface provably passes through the voxel.
     pub(super) certified: bool,
+    /// What the material's colour is multiplied by.
+    pub(super) tint: [f32; 3],
 }
+
+/// The material's colour as it is.
+pub(super) const UNTINTED: [f32; 3] = [1.0; 3];
 
 /// Everything that painting a tile needs to know.
 pub(super) struct Painter<'a> {
     layers: &'a [Layer<'a>],
     screen: &'a Screen,
     blocks: &'a Blocks,
+    triangles: &'a Triangles<'a>,
     voxels: Voxels<'a>,
     splatters: Vec<Splatter<'a>>,
     shade: Shade,
@@ -48,6 +55,7 @@ impl<'a> Painter<'a> {
         layers: &'a [Layer<'a>],
         screen: &'a Screen,
         blocks: &'a Blocks,
+        triangles: &'a Triangles<'a>,
         image: &ImageSettings,
     ) -> Self {
         let candidates = image.candidates;
@@ -56,6 +64,7 @@ impl<'a> Painter<'a> {
             layers,
             screen,
             blocks,
+            triangles,
             voxels: Voxels::new(layers),
             splatters: first_ids(layers).zip(layers).map(splatter).collect(),
             shade: image.shade,
@@ -71,10 +80,22 @@ impl<'a> Painter<'a> {
         tile: &Tile,
         tracer: &mut dyn Trace,
     ) -> Vec<Option<Seen>> {
+        let mut seen = self.surfaces(place, tile, tracer);
+        self.triangles.draw(place, tile, self.layers.len(), &mut seen);
+        seen
+    }
+
+    /// What each sample shows of the surfaces.
+    fn surfaces(
+        &self,
+        place: (usize, usize),
+        tile: &Tile,
+        tracer: &mut dyn Trace,
+    ) -> Vec<Option<Seen>> {
         match self.shade {
             Shade::GlPoint => {
                 let mut zbuffer = ZBuffer::new(tile);
-                for block in self.blocks.of_tile(place.0, place.1) {
+                for block in self.blocks.of_tile(place) {
                     self.splatters[block.layer].points(block, tile, &mut zbuffer);
                 }
                 let hits = (0..tile.n_samples()).map(|sample| zbuffer.met.get(sample));
@@ -108,7 +129,7 @@ impl<'a> Painter<'a> {
         tracer: &mut dyn Trace,
     ) -> Vec<Option<Seen>> {
         let mut zbuffer = ZBuffer::new(tile);
-        for block in self.blocks.of_tile(place.0, place.1) {
+        for block in self.blocks.of_tile(place) {
             let Some(part) = block.extent.intersection(tile) else { continue };
             if !zbuffer.hides(tile, &part, block.nearest) {
                 self.splatters[block.layer].cubes(block, tile, &mut zbuffer);
@@ -165,7 +186,7 @@ impl<'a> Painter<'a> {
         of_voxels: bool,
     ) {
         let (mut quests, mut meetings): (Vec<Quest>, Vec<Meeting>) = (Vec::new(), Vec::new());
-        for block in self.blocks.of_tile(place.0, place.1) {
+        for block in self.blocks.of_tile(place) {
             let Some(part) = block.extent.intersection(tile) else { continue };
             let layer = &self.layers[block.layer];
             let Some(tape) = layer.tape else { continue };
@@ -242,6 +263,7 @@ impl<'a> Painter<'a> {
             depth,
             normal: normal.or_else(|| unit(gradient)).unwrap_or(DVec3::Z),
             certified: rank.is_some_and(|rank| layer.storage.is_certified(rank)),
+            tint: UNTINTED,
         }
     }
 

@@ -18,7 +18,13 @@
 //! contain the surface. Just inside it, a ray that passes over the rim meets the first voxels that
 //! face away; their normals are all but at right angles to the ray, as the surface's there is.
 
-use super::{Layer, paint::Seen, screen::Ray, splat::first_ids, zbuffer::Hit};
+use super::{
+    Layer,
+    paint::{Seen, UNTINTED},
+    screen::Ray,
+    splat::first_ids,
+    zbuffer::Hit,
+};
 use glam::DVec3;
 
 /// Largest distance along the normal between two hits of one sheet, in projected voxel sizes.
@@ -65,7 +71,7 @@ impl<'a> Voxels<'a> {
         let rank = hit.id - self.first_ids[owner];
         let normal = layer.storage.normal(rank).decode();
         let certified = layer.storage.is_certified(rank);
-        Seen { layer: owner, depth: f64::from(hit.depth), normal, certified }
+        Seen { layer: owner, depth: f64::from(hit.depth), normal, certified, tint: UNTINTED }
     }
 
     fn is_one_sheet(&self, ray: &Ray, met: &Seen, covered: &Seen) -> bool {

@@ -96,6 +96,51 @@ impl Screen {
         }
     }
 
+    /// How many tiles stand in a row, and how many rows there are.
+    pub(super) fn n_tiles(&self) -> (usize, usize) {
+        (self.width.div_ceil(self.tile_edge), self.height.div_ceil(self.tile_edge))
+    }
+
+    /// The samples that a triangle may touch at depth `near` or farther, and no less a depth than
+    /// it has there; `None` if that is nothing.
+    pub(super) fn extent_of_triangle(
+        &self,
+        corners: &[DVec3; 3],
+        near: f64,
+    ) -> Option<(Tile, f64)> {
+        let depths = corners.map(|corner| self.forward.dot(corner));
+        let nearest = depths.into_iter().fold(f64::INFINITY, f64::min);
+        let mut bounds = [(f64::INFINITY, f64::NEG_INFINITY); 2];
+        let mut add = |p: DVec3, depth: f64| {
+            let scale = if self.is_parallel { 1.0 } else { 1.0 / depth };
+            for (axis, bounds) in [self.across, self.down].into_iter().zip(&mut bounds) {
+                let at = axis.dot(p) * scale;
+                *bounds = (bounds.0.min(at), bounds.1.max(at));
+            }
+        };
+        for i in 0..3 {
+            let j = (i + 1) % 3;
+            if depths[i] >= near {
+                add(corners[i], depths[i]);
+            }
+            // Where an edge goes through the near plane the triangle is cut.
+            if (depths[i] < near) != (depths[j] < near) {
+                let t = (near - depths[i]) / (depths[j] - depths[i]);
+                add(corners[i] + t * (corners[j] - corners[i]), near);
+            }
+        }
+        let samples = |(lo, hi): (f64, f64), middle: f64, n: usize| {
+            let slack = SLACK_PX + 1e-12 * (lo.abs() + hi.abs());
+            // Ceiling and floor by truncation, which saturates: negative numbers become 0.
+            let first = (middle + lo + (1.0 - slack)) as u32 as usize;
+            first..((middle + hi + (1.0 + slack)) as u32 as usize).min(n)
+        };
+        let columns = samples(bounds[0], self.middle[0], self.width);
+        let rows = samples(bounds[1], self.middle[1], self.height);
+        let is_seen = nearest.is_finite() && !columns.is_empty() && !rows.is_empty();
+        is_seen.then(|| (Tile { columns, rows }, nearest.max(near)))
+    }
+
     /// The tile in a column and a row of tiles.
     pub(super) fn tile(&self, column: usize, row: usize) -> Tile {
         let edge = self.tile_edge;

@@ -6,12 +6,13 @@
 use rayon::prelude::*;
 
 use super::{
-    Frame, ImageSettings, Layer, Material, Shade,
+    Frame, ImageSettings, Layer, Material, Model, Shade,
     light::Lights,
     paint::{Painter, Seen},
     screen::Screen,
     tile::{Blocks, Tile},
     trace::tracer,
+    triangles::Triangles,
 };
 use crate::{Error, Result, math::SimdLevel, progress::Progress};
 
@@ -27,6 +28,7 @@ struct Pixel {
 /// Paints and lights all pixels.
 pub(super) fn shade(
     layers: &[Layer<'_>],
+    models: &[Model],
     screen: &Screen,
     image: &ImageSettings,
     simd: SimdLevel,
@@ -38,10 +40,15 @@ pub(super) fn shade(
         return Ok(frame);
     }
     let blocks = Blocks::new(layers, screen);
-    let painter = Painter::new(layers, screen, &blocks, image);
+    let near = layers.iter().map(Layer::near).fold(f64::INFINITY, f64::min);
+    let triangles = Triangles::new(models, screen, near);
+    let painter = Painter::new(layers, screen, &blocks, &triangles, image);
     let lights = Lights::new(&image.lights, screen);
-    let shader = Shader { layers, screen, lights, image, empty };
-    progress.begin("rasterize", (blocks.n_columns * blocks.n_rows) as u64, "tiles");
+    let of_layers = layers.iter().map(|layer| layer.material);
+    let materials = of_layers.chain(models.iter().map(|model| model.material)).collect();
+    let shader = Shader { materials, screen, lights, image, empty };
+    let (n_columns, n_rows) = screen.n_tiles();
+    progress.begin("rasterize", (n_columns * n_rows) as u64, "tiles");
     let width = image.width as usize;
     let rows = screen.tile_edge / screen.samples;
     let n = width * rows;
@@ -53,7 +60,7 @@ pub(super) fn shade(
         .zip(frame.position.par_chunks_mut(n))
         .enumerate()
         .try_for_each(|(row, (((rgba, depth), normal), position))| {
-            let tiles: Result<Vec<Vec<Pixel>>> = (0..blocks.n_columns)
+            let tiles: Result<Vec<Vec<Pixel>>> = (0..n_columns)
                 .into_par_iter()
                 .map_init(
                     || tracer(simd),
@@ -87,7 +94,8 @@ pub(super) fn shade(
 
 /// Everything that lighting a sample needs to know.
 struct Shader<'a> {
-    layers: &'a [Layer<'a>],
+    /// Of the layers, then of the models.
+    materials: Vec<Material>,
     screen: &'a Screen,
     lights: Lights,
     image: &'a ImageSettings,
@@ -148,7 +156,7 @@ impl Shader<'_> {
     fn lit(&self, tile: &Tile, sample: usize, seen: &Seen) -> [f32; 4] {
         let (column, row) = tile.place(sample);
         let ray = self.screen.ray(column, row);
-        let material = material(self.layers[seen.layer].material, seen, self.image.shade);
+        let material = material(self.materials[seen.layer], seen, self.image.shade);
         self.lights.reflected(&material, seen.normal, &ray)
     }
 }
@@ -160,7 +168,9 @@ const CANDIDATE: [f32; 3] = [0.75, 0.08, 0.04];
 /// What a sample looks like on a surface of `material`.
 fn material(material: Material, seen: &Seen, shade: Shade) -> Material {
     if shade != Shade::Status {
-        return material;
+        let tinted = |color: [f32; 3]| [0, 1, 2].map(|c| color[c] * seen.tint[c]);
+        let (color, back_color) = (tinted(material.color), tinted(material.back_color));
+        return Material { color, back_color, ..material };
     }
     let color = if seen.certified { CERTIFIED } else { CANDIDATE };
     Material { color, back_color: color, ..material }

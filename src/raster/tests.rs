@@ -30,7 +30,7 @@ fn view(projection: Projection, placement: Placement) -> View {
 }
 
 fn draw(layers: &[Layer<'_>], camera: &Camera, width: u32, height: u32) -> Frame {
-    render(layers, camera, &image(width, height), SimdLevel::detect(), &Unwatched).unwrap()
+    render(layers, &[], camera, &image(width, height), SimdLevel::detect(), &Unwatched).unwrap()
 }
 
 /// Whether the ray from depth `near` on meets a cube: slabs, straight from the book.
@@ -292,7 +292,8 @@ fn background_and_emptiness() {
     let camera = Camera::new(&view, 1.0, &empty.layer(WHITE));
     let settings = ImageSettings { background: Some([0.1, 0.2, 0.3]), ..image(4, 4) };
     let frame =
-        render(&[empty.layer(WHITE)], &camera, &settings, SimdLevel::detect(), &Unwatched).unwrap();
+        render(&[empty.layer(WHITE)], &[], &camera, &settings, SimdLevel::detect(), &Unwatched)
+            .unwrap();
     assert_eq!(frame, Frame::filled(4, 4, [0.1, 0.2, 0.3, 1.0]));
 }
 
@@ -312,6 +313,6 @@ fn cancelling_ends_the_run() {
     let view = view(Projection::Perspective { fov_degrees: 40.0 }, placement);
     let camera = Camera::new(&view, 1.0, &mock.layer(WHITE));
     let outcome =
-        render(&[mock.layer(WHITE)], &camera, &image(8, 8), SimdLevel::detect(), &Cancelled);
+        render(&[mock.layer(WHITE)], &[], &camera, &image(8, 8), SimdLevel::detect(), &Cancelled);
     assert!(matches!(outcome, Err(Error::Interrupted)));
 }

@@ -54,15 +54,39 @@ pub(super) struct Block {
     pub(super) nearest: f64,
 }
 
-/// The blocks of all layers, and which of them each tile of the screen may show.
+/// Which of some things each tile of the screen may show, in their order.
+pub(super) struct TileLists {
+    n_columns: usize,
+    /// By tile, row by row.
+    lists: Vec<Vec<u32>>,
+}
+
+impl TileLists {
+    /// From the samples that each thing may touch.
+    pub(super) fn new<'a>(screen: &Screen, extents: impl Iterator<Item = &'a Tile>) -> Self {
+        let edge = screen.tile_edge;
+        let (n_columns, n_rows) = screen.n_tiles();
+        let mut lists = vec![Vec::new(); n_columns * n_rows];
+        for (number, Tile { columns, rows }) in extents.enumerate() {
+            for row in rows.start / edge..rows.end.div_ceil(edge) {
+                for column in columns.start / edge..columns.end.div_ceil(edge) {
+                    lists[row * n_columns + column].push(number as u32);
+                }
+            }
+        }
+        Self { n_columns, lists }
+    }
+
+    /// The numbers of what the tile in a column and a row of tiles may show.
+    pub(super) fn of_tile(&self, (column, row): (usize, usize)) -> impl Iterator<Item = usize> {
+        self.lists[row * self.n_columns + column].iter().map(|&i| i as usize)
+    }
+}
+
+/// The blocks of all layers from front to back, and which of them each tile may show.
 pub(super) struct Blocks {
-    pub(super) all: Vec<Block>,
-    /// Tiles in a row.
-    pub(super) n_columns: usize,
-    /// Rows of tiles.
-    pub(super) n_rows: usize,
-    /// By tile, row by row: its blocks from front to back.
-    of_tiles: Vec<Vec<u32>>,
+    all: Vec<Block>,
+    of_tiles: TileLists,
 }
 
 impl Blocks {
@@ -74,26 +98,15 @@ impl Blocks {
                 parts.into_par_iter().filter_map(|part| block(layer, number, part, screen));
             all.par_extend(blocks);
         }
-        let edge = screen.tile_edge;
-        let (n_columns, n_rows) = (screen.width.div_ceil(edge), screen.height.div_ceil(edge));
-        let mut of_tiles = vec![Vec::new(); n_columns * n_rows];
-        let mut order: Vec<u32> = (0..all.len() as u32).collect();
-        // From front to back, so that most of what is hidden finds out early.
-        order.sort_by(|&a, &b| all[a as usize].nearest.total_cmp(&all[b as usize].nearest));
-        for number in order {
-            let Tile { columns, rows } = &all[number as usize].extent;
-            for row in rows.start / edge..rows.end.div_ceil(edge) {
-                for column in columns.start / edge..columns.end.div_ceil(edge) {
-                    of_tiles[row * n_columns + column].push(number);
-                }
-            }
-        }
-        Self { all, n_columns, n_rows, of_tiles }
+        // So that most of what is hidden finds out early.
+        all.sort_by(|a, b| a.nearest.total_cmp(&b.nearest));
+        let of_tiles = TileLists::new(screen, all.iter().map(|block| &block.extent));
+        Self { all, of_tiles }
     }
 
-    /// The blocks that a tile may show, from front to back.
-    pub(super) fn of_tile(&self, column: usize, row: usize) -> impl Iterator<Item = &Block> {
-        self.of_tiles[row * self.n_columns + column].iter().map(|&i| &self.all[i as usize])
+    /// The blocks that the tile in a column and a row of tiles may show, from front to back.
+    pub(super) fn of_tile(&self, place: (usize, usize)) -> impl Iterator<Item = &Block> {
+        self.of_tiles.of_tile(place).map(|i| &self.all[i])
     }
 }
 

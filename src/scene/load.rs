@@ -76,7 +76,7 @@ pub fn parse_with(
     let Some(spec) = read(source, &mut errors) else { return Err(reject(sources, errors)) };
     let mut lower = Lower::new(source, settings, folder, errors);
     let scene = lower.scene(&name, &spec);
-    sources.models = lower.models.into_iter().map(|(model, _)| model).collect();
+    sources.models = lower.graphs.into_iter().map(|(graph, _)| graph).collect();
     match lower.errors.is_empty() {
         true => Ok(Scene { sources, warnings: in_order(lower.warnings), ..scene }),
         false => Err(reject(sources, lower.errors)),

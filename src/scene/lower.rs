@@ -65,7 +65,7 @@ pub(super) struct Lower<'a> {
     /// Mistakes of definitions that were noted: index, place, message.
     pub(super) noted: HashSet<(usize, usize, String)>,
     /// The files that were read, with what they mean, unless something is wrong with them.
-    pub(super) models: Vec<(Model, Option<Expr>)>,
+    pub(super) graphs: Vec<(Model, Option<Expr>)>,
 }
 
 impl<'a> Lower<'a> {
@@ -85,7 +85,7 @@ impl<'a> Lower<'a> {
             definitions: Vec::new(),
             formulas: Vec::new(),
             noted: HashSet::new(),
-            models: Vec::new(),
+            graphs: Vec::new(),
         }
     }
 
@@ -96,6 +96,7 @@ impl<'a> Lower<'a> {
         Scene {
             name: name.to_owned(),
             surfaces: self.surfaces(&spec.surfaces, &clip),
+            models: self.models(&spec.models, spec.surfaces.len()),
             domain: self.domain(&spec.domain),
             resolution: self.resolution(&spec.voxels.spec),
             certify: spec.voxels.spec.certify.unwrap_or(true),
@@ -149,7 +150,7 @@ impl<'a> Lower<'a> {
         );
     }
 
-    fn coordinates(&mut self, key: &str, value: &Spanned<Numbers<3>>) -> [f64; 3] {
+    pub(super) fn coordinates(&mut self, key: &str, value: &Spanned<Numbers<3>>) -> [f64; 3] {
         if value.get_ref().0.iter().any(|c| c.abs() > MAX_COORDINATE) {
             self.errors.push(
                 Diagnostic::new(value.span(), format!("`{key}` is too far out"))

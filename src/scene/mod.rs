@@ -6,6 +6,7 @@ mod color;
 mod definitions;
 mod explain;
 mod formula;
+mod graph;
 mod leaf;
 mod leaf_schema;
 mod light;
@@ -33,7 +34,7 @@ use crate::{
     expr::Expr,
     math::Aabb,
     octree::StorageKind,
-    raster::{ImageSettings, Material, View},
+    raster::{ImageSettings, Material, Model, View},
     voxelize::Schedule,
 };
 
@@ -44,6 +45,8 @@ pub struct Scene {
     pub name: String,
     /// At least one.
     pub surfaces: Vec<Surface>,
+    /// Polygon models, drawn beside them.
+    pub models: Vec<Model>,
     /// The box that is searched, finite and not empty; one is found where there is none.
     pub domain: Option<Aabb>,
     /// Voxels along the domain's longest axis.

@@ -1,77 +1,78 @@
-//! Surfaces from files: function graphs that lie beside the scene.
+//! Polygon models: files that lie beside the scene, and where their polygons go.
 
-use std::{
-    fs, io,
-    path::{Path, PathBuf},
+use std::path::Path;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use super::{
+    color::default_color,
+    leaf::Color,
+    lower::Lower,
+    spec::{ModelSpec, Section, UpSpec},
 };
+use crate::{diagnostic::Diagnostic, polygons::Polygons, raster::Model};
 
-use super::{lower::Lower, spanned::Spanned, text};
-use crate::{
-    diagnostic::{Diagnostic, Model, Origin},
-    expr::Expr,
-};
-
-/// The most that the files of a scene hold, all together.
-const MAX_BYTES: u64 = 16 << 20;
+const WHITE: Color = Color([1.0; 3]);
 
 impl Lower<'_> {
-    /// F as the file says that a surface names.
-    pub(super) fn model(&mut self, file: &Spanned<String>) -> Option<Expr> {
-        let path = self.path(file).map_err(|mistake| self.errors.push(mistake)).ok()?;
-        // A file that several surfaces name is read once, and its mistakes are noted once.
-        if let Some((_, expr)) = self.models.iter().find(|(model, _)| model.path == path) {
-            return expr.clone();
-        }
-        let bytes = self.read(file, &path).map_err(|mistake| self.errors.push(mistake)).ok()?;
-        let (text, mistake) = text::decode(bytes);
-        let expr = mistake.map_or_else(|| Expr::from_vm(&text), |mistake| Err(vec![mistake]));
-        let origin = Origin::Model(self.models.len());
-        let note = |mistakes: Vec<Diagnostic>| {
-            let placed = mistakes.into_iter().map(|mistake| Diagnostic { origin, ..mistake });
-            self.errors.extend(placed);
-        };
-        let expr = expr.map_err(note).ok();
-        self.models.push((Model { path, text }, expr.clone()));
-        expr
+    /// All models that could be made, after `n_surfaces` surfaces.
+    pub(super) fn models(&mut self, specs: &[Section<ModelSpec>], n_surfaces: usize) -> Vec<Model> {
+        let model = |(i, section)| self.model(n_surfaces + i, section);
+        specs.iter().enumerate().filter_map(model).collect()
     }
 
-    /// Where the file is, if it may be one.
-    fn path(&self, file: &Spanned<String>) -> Result<PathBuf, Diagnostic> {
-        let name = Path::new(file.get_ref());
-        // Other formats may come, and a scene from a stranger shall not quote any file.
-        if name.extension().is_none_or(|ending| ending != "vm") {
-            return Err(Diagnostic::new(file.span(), "the name must end in `.vm`")
-                .label("not a function graph")
-                .help("what can be read are function graphs in the text format of Fidget"));
-        }
+    fn model(&mut self, index: usize, section: &Section<ModelSpec>) -> Option<Model> {
+        let spec = &section.spec;
+        let placing = self.placing(spec);
+        let Some(file) = &spec.file else {
+            if !section.is_damaged {
+                self.errors.push(
+                    Diagnostic::new(section.span.clone(), "the model has no file")
+                        .label("no `file`")
+                        .help("name an OBJ, glTF or GLB file, as in file = \"teapot.obj\""),
+                );
+            }
+            return None;
+        };
         let Some(folder) = self.folder else {
-            return Err(Diagnostic::new(file.span(), "a scene without a folder names a file")
-                .label("relative to which folder?")
-                .help("read the scene from a file, or say in which folder its files are"));
+            self.errors.push(
+                Diagnostic::new(file.span(), "a scene without a folder names a file")
+                    .label("relative to which folder?")
+                    .help("read the scene from a file, or say in which folder its files are"),
+            );
+            return None;
         };
-        Ok(folder.join(name))
+        let name = spec.name.clone().unwrap_or_else(|| file.get_ref().clone());
+        let polygons = Polygons::read(&folder.join(Path::new(file.get_ref())));
+        let refused = |why: String| {
+            let message = format!("cannot use {}: {why}", file.get_ref());
+            self.errors.push(
+                Diagnostic::new(file.span(), message)
+                    .help("the name is relative to the folder of the scene"),
+            );
+        };
+        let polygons = polygons.map_err(refused).ok()?;
+        let usual = if polygons.colors.is_empty() { default_color(index) } else { WHITE };
+        let color = spec.color.unwrap_or(usual);
+        let colors = [color, spec.back_color.unwrap_or(color)];
+        let material = self.material_of(colors, spec.specular.as_ref(), spec.shininess.as_ref());
+        Some(Model { name, polygons: polygons.placed(placing), material })
     }
 
-    /// The bytes of a file, or why there are none.
-    fn read(&self, file: &Spanned<String>, path: &Path) -> Result<Vec<u8>, Diagnostic> {
-        let mistake = |why: &str| {
-            Diagnostic::new(file.span(), format!("cannot read {}: {why}", path.display()))
+    /// From the file's coordinates to the scene's.
+    fn placing(&mut self, spec: &ModelSpec) -> DAffine3 {
+        let upright = match spec.up.unwrap_or_default() {
+            UpSpec::Z => DMat3::IDENTITY,
+            // x stays, y becomes z, z becomes −y.
+            UpSpec::Y => DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y),
         };
-        let failed = |error: io::Error| match error.kind() {
-            io::ErrorKind::NotFound => mistake("there is no such file")
-                .help("the name is relative to the folder of the scene"),
-            _ => mistake(&error.to_string()),
-        };
-        // A pipe would be waited for.
-        if !fs::metadata(path).map_err(failed)?.is_file() {
-            return Err(mistake("it is not a file"));
-        }
-        let held: u64 = self.models.iter().map(|(model, _)| model.text.len() as u64).sum();
-        let bytes = text::read(path, MAX_BYTES.saturating_sub(held)).map_err(failed)?;
-        bytes.ok_or_else(|| {
-            let limit = MAX_BYTES >> 20;
-            mistake("it is too large")
-                .help(format!("the files of a scene hold {limit} MiB at most, all together"))
-        })
+        let scale = spec.scale.as_ref().map_or(1.0, |scale| self.positive("scale", scale));
+        let degrees = spec.rotate.as_ref().map_or([0.0; 3], |r| self.coordinates("rotate", r));
+        let [x, y, z] = degrees.map(f64::to_radians);
+        let turn =
+            DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);
+        let translate =
+            spec.translate.as_ref().map_or([0.0; 3], |t| self.coordinates("translate", t));
+        DAffine3::from_mat3_translation(turn * (scale * upright), translate.into())
     }
 }

@@ -103,6 +103,10 @@ fn sections(root: DeTable<'_>, source: &str, errors: &mut Vec<Diagnostic>) -> Sc
                 has_surface = true;
                 spec.surfaces = surfaces(value, errors);
             }
+            "model" => {
+                let help = "a model is written in double brackets";
+                spec.models = repeated("[[model]]", help, value, errors);
+            }
             "light" => {
                 let help = "a light is written in double brackets";
                 spec.lights = repeated("[[light]]", help, value, errors);

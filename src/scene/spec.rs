@@ -32,6 +32,9 @@ pub(super) struct SceneSpec {
     /// What is drawn.
     #[schemars(rename = "surface", length(min = 1))]
     pub(super) surfaces: Vec<Section<SurfaceSpec>>,
+    /// Polygon models that are drawn beside the surfaces.
+    #[schemars(rename = "model", default)]
+    pub(super) models: Vec<Section<ModelSpec>>,
     #[schemars(default)]
     pub(super) domain: Section<DomainSpec>,
     #[schemars(default)]
@@ -102,6 +105,45 @@ pub(super) struct SurfaceSpec {
     /// Exponent of the highlight from 1 to 1000; 32 by default.
     #[schemars(range(min = 1, max = 1000))]
     pub(super) shininess: Option<Spanned<Whole>>,
+}
+
+/// A polygon model. It is scaled, turned and moved, in this order.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ModelSpec {
+    /// The file `NAME.obj`, `NAME.gltf` or `NAME.glb`, relative to the folder of the scene.
+    #[schemars(required)]
+    pub(super) file: Option<Spanned<String>>,
+    /// For messages; the file's name by default.
+    pub(super) name: Option<String>,
+    /// What the colours in the file are multiplied by, white by default; without such colours by
+    /// default the next of a small palette.
+    pub(super) color: Option<Color>,
+    /// The colour seen from inside; by default the same.
+    pub(super) back_color: Option<Color>,
+    /// Strength of the highlight in [0, 1]; 0.3 by default.
+    #[schemars(range(min = 0, max = 1))]
+    pub(super) specular: Option<Spanned<Number>>,
+    /// Exponent of the highlight from 1 to 1000; 32 by default.
+    #[schemars(range(min = 1, max = 1000))]
+    pub(super) shininess: Option<Spanned<Whole>>,
+    /// The axis that points up in the file, which becomes the scene's z; "y" by default.
+    pub(super) up: Option<UpSpec>,
+    /// How much larger the model becomes; 1 by default.
+    pub(super) scale: Option<Spanned<Number>>,
+    /// Degrees by which it is turned about the scene's x, then y, then z.
+    pub(super) rotate: Option<Spanned<Numbers<3>>>,
+    /// By how much it is moved.
+    pub(super) translate: Option<Spanned<Numbers<3>>>,
+}
+
+/// The axis that points up.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum UpSpec {
+    #[default]
+    Y,
+    Z,
 }
 
 /// A blend of spheres: the sum of (1 − (a d / radius)²)⁴ over the balls in which it is positive,

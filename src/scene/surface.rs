@@ -6,6 +6,7 @@ use super::{
     Surface,
     clip::Clip,
     color::{default_color, linear_from_srgb},
+    leaf::{Color, Number, Whole},
     lower::Lower,
     spanned::Spanned,
     spec::{BlendSpec, Inside, Section, SurfaceSpec},
@@ -44,19 +45,21 @@ impl Lower<'_> {
 
     fn material(&mut self, index: usize, spec: &SurfaceSpec) -> Material {
         let color = spec.color.unwrap_or_else(|| default_color(index));
-        let back_color = spec.back_color.unwrap_or(color);
-        let specular = self.number("specular", spec.specular.as_ref(), 0.0..=1.0, DEFAULT_SPECULAR);
-        Material {
-            color: linear_from_srgb(color),
-            back_color: linear_from_srgb(back_color),
-            specular: specular as f32,
-            shininess: self.whole(
-                "shininess",
-                spec.shininess.as_ref(),
-                1..=1000,
-                DEFAULT_SHININESS,
-            ),
-        }
+        let colors = [color, spec.back_color.unwrap_or(color)];
+        self.material_of(colors, spec.specular.as_ref(), spec.shininess.as_ref())
+    }
+
+    /// From the colours of the front and of the back.
+    pub(super) fn material_of(
+        &mut self,
+        colors: [Color; 2],
+        specular: Option<&Spanned<Number>>,
+        shininess: Option<&Spanned<Whole>>,
+    ) -> Material {
+        let [color, back_color] = colors.map(linear_from_srgb);
+        let specular = self.number("specular", specular, 0.0..=1.0, DEFAULT_SPECULAR) as f32;
+        let shininess = self.whole("shininess", shininess, 1..=1000, DEFAULT_SHININESS);
+        Material { color, back_color, specular, shininess }
     }
 
     /// F, negative inside.
@@ -75,7 +78,7 @@ impl Lower<'_> {
             (None, Some(blend), None) => {
                 Some(turned(self.blend(&blend.get_ref().0), spec, Inside::Positive))
             }
-            (None, None, Some(file)) => Some(turned(self.model(file)?, spec, Inside::Negative)),
+            (None, None, Some(file)) => Some(turned(self.graph(file)?, spec, Inside::Negative)),
             (None, None, None) if section.is_damaged => None,
             (None, None, None) => {
                 self.errors.push(
