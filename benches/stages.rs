@@ -11,7 +11,7 @@ use zeroset::{
     octree::MortonOctree,
     output::{exr, png},
     progress::Unwatched,
-    raster::{self, Camera, Frame, Layer},
+    raster::{self, Camera, Drawn, Frame, Layer, Source},
     scene::{self, Scene},
     voxelize::{Settings, voxelize},
 };
@@ -44,9 +44,11 @@ fn find(scene: &Scene, lattice: &Lattice) -> MortonOctree {
 fn draw(scene: &Scene, lattice: &Lattice, octree: &MortonOctree) -> Frame {
     let material = scene.surfaces[0].material;
     let tape = scene.surfaces[0].expr.tape();
-    let layers = [Layer { storage: octree, lattice, material, tape: Some(&tape) }];
-    let camera = Camera::new(&scene.view, 1.0, layers.as_slice());
-    raster::render(&layers, &[], &camera, &scene.image, SimdLevel::detect(), &Unwatched).unwrap()
+    let layers = [Layer { source: Source::Stored(octree), lattice, material, tape: Some(&tape) }];
+    let content = Drawn { voxels: vec![(octree, lattice)], models: &[] };
+    let camera = Camera::new(&scene.view, 1.0, &content);
+    let simd = SimdLevel::detect();
+    raster::render(&layers, &[], &camera, &scene.image, simd, &Unwatched).unwrap().0
 }
 
 #[divan::bench(args = SCENES)]

@@ -7,13 +7,13 @@ use crate::{
     expr::Tape,
     limits::{self, Memory},
     math::{Lattice, SimdLevel},
-    octree::Storage,
+    octree::{Storage, StorageKind},
     output::{self, exr, png},
-    progress::Progress,
-    raster::{self, Camera, Drawn, Frame, Layer},
+    progress::{Progress, Unwatched},
+    raster::{self, Camera, Drawn, Frame, Layer, Model, Shade, Source},
     scene::{Scene, Surface},
     statistics::{self, Boxes, DomainBox, Statistics, Times, Voxels, hex},
-    voxelize::{self, Settings, Voxelization},
+    voxelize::{self, BLOCK_LEVELS, Effort, Precision, Schedule, Settings, Voxelization},
 };
 
 /// What the user may change for one run without touching the scene.
@@ -29,6 +29,9 @@ pub struct Options {
     pub simd: Option<SimdLevel>,
     /// Bytes of memory that may be taken; three quarters of the machine's where `None`.
     pub max_memory: Option<u64>,
+    /// Whether all voxels are found, and not only those that the picture shows, unless the scene
+    /// says.
+    pub find_all: bool,
 }
 
 /// What a run did.
@@ -49,7 +52,7 @@ pub struct Picture {
     pub frame: Frame,
     /// Where it was taken from.
     pub camera: Camera,
-    /// The voxels of each surface of the scene.
+    /// The voxels of each surface of the scene, if all were found.
     pub storages: Vec<Box<dyn Storage>>,
     /// Numbers.
     pub statistics: Statistics,
@@ -112,61 +115,133 @@ fn render_with_all_threads(
     let lattice = choose_lattice(scene, options.resolution, simd, &mut notes);
 
     let start = Instant::now();
-    let (voxelizations, n_voxels) = find_voxels(scene, &lattice, simd, &memory, progress)?;
-    let voxelize = start.elapsed().as_secs_f64();
-    if n_voxels == 0 {
+    let coarse = coarse_voxels(scene, &lattice, simd)?;
+    if coarse.voxelizations.iter().all(|found| found.octree.voxel_count() == 0) {
         return Err(nothing_found(scene, &lattice, simd));
     }
-    notes.extend(notes_on(scene, &voxelizations, &lattice, simd));
-    let n_certified = voxelizations.iter().map(|v| u64::from(v.octree.certified_count())).sum();
-    let boxes = Boxes::sum(voxelizations.iter().map(|v| &v.effort));
-    let precision = voxelizations[0].precision.name();
-    let digests = voxelizations.iter().map(|v| hex(v.octree.digest())).collect();
-    let storages: Vec<Box<dyn Storage>> =
-        voxelizations.into_iter().map(|found| scene.storage.keep(found.octree)).collect();
+    let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
+    let camera = Camera::new(&scene.view, aspect, &coarse.drawn(&scene.models));
+
+    let is_visible_only = is_visible_only(scene, options, &lattice);
+    let whole = if is_visible_only {
+        notes.extend(notes_on(scene, &coarse.voxelizations, &coarse.lattice, simd));
+        Whole::default()
+    } else {
+        let (voxelizations, n_voxels) = find_voxels(scene, &lattice, simd, &memory, progress)?;
+        if n_voxels == 0 {
+            return Err(nothing_found(scene, &lattice, simd));
+        }
+        notes.extend(notes_on(scene, &voxelizations, &lattice, simd));
+        Whole::new(scene, voxelizations)
+    };
+    let voxelize = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
     let tapes: Vec<Tape> = scene.surfaces.iter().map(|surface| surface.expr.tape()).collect();
-    let layers: Vec<Layer<'_>> = scene
-        .surfaces
-        .iter()
-        .zip(&storages)
-        .zip(&tapes)
-        .map(|((surface, storage), tape)| Layer {
-            storage: &**storage,
-            lattice: &lattice,
-            material: surface.material,
-            tape: Some(tape),
-        })
-        .collect();
-    let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
-    let content = Drawn { layers: &layers, models: &scene.models };
-    let camera = Camera::new(&scene.view, aspect, &content);
-    let frame = raster::render(&layers, &scene.models, &camera, &scene.image, simd, progress)?;
+    let layer = |i: usize| Layer {
+        source: whole
+            .storages
+            .get(i)
+            .map_or(Source::OnDemand { is_auto: scene.is_auto }, |storage| {
+                Source::Stored(&**storage)
+            }),
+        lattice: &lattice,
+        material: scene.surfaces[i].material,
+        tape: Some(&tapes[i]),
+    };
+    let layers: Vec<Layer<'_>> = (0..scene.surfaces.len()).map(layer).collect();
+    let (frame, seen) =
+        raster::render(&layers, &scene.models, &camera, &scene.image, simd, progress)?;
     let rasterize = start.elapsed().as_secs_f64();
 
+    let stored = whole.n_voxels + seen.voxels;
+    let certified = whole.n_certified + seen.certified;
+    let efforts = coarse.voxelizations.iter().map(|found| &found.effort);
+    let efforts = efforts.chain(&whole.efforts).chain([&seen.effort]);
     let statistics = Statistics {
         scene: scene.name.clone(),
         resolution: lattice.n_voxels(),
+        visible_only: is_visible_only,
         domain: DomainBox::from(lattice.bounds()),
-        boxes,
-        voxels: Voxels {
-            stored: n_voxels.into(),
-            certified: n_certified,
-            candidate: u64::from(n_voxels) - n_certified,
-        },
+        boxes: Boxes::sum(efforts),
+        voxels: Voxels { stored, certified, candidate: stored - certified },
         octree: statistics::Octree {
-            bytes: statistics::Bytes::sum(storages.iter().map(|storage| storage.bytes())),
-            digests,
+            bytes: statistics::Bytes::sum(whole.storages.iter().map(|storage| storage.bytes())),
+            digests: whole.digests,
         },
         frame: statistics::Frame::from(&frame.digest()),
-        precision,
+        precision: Precision::for_lattice(&lattice).name(),
         simd: simd.name(),
         threads: rayon::current_num_threads(),
         time_s: Times { voxelize, rasterize, write: 0.0 },
         peak_memory_bytes: limits::peak_memory_bytes(),
     };
+    let storages = whole.storages;
     Ok(Picture { frame, camera, storages, statistics, notes })
+}
+
+/// All voxels of all surfaces.
+#[derive(Default)]
+struct Whole {
+    storages: Vec<Box<dyn Storage>>,
+    digests: Vec<String>,
+    efforts: Vec<Effort>,
+    n_voxels: u64,
+    n_certified: u64,
+}
+
+impl Whole {
+    fn new(scene: &Scene, voxelizations: Vec<Voxelization>) -> Self {
+        let mut whole = Self::default();
+        for Voxelization { octree, effort, .. } in voxelizations {
+            whole.digests.push(hex(octree.digest()));
+            whole.n_voxels += u64::from(octree.voxel_count());
+            whole.n_certified += u64::from(octree.certified_count());
+            whole.efforts.push(effort);
+            whole.storages.push(scene.storage.keep(octree));
+        }
+        whole
+    }
+}
+
+/// Large voxels, by which the camera is placed: the same whichever voxels are found after them.
+struct Coarse {
+    lattice: Lattice,
+    voxelizations: Vec<Voxelization>,
+}
+
+impl Coarse {
+    /// What the camera is to show.
+    fn drawn<'a>(&'a self, models: &'a [Model]) -> Drawn<'a> {
+        let octrees = self.voxelizations.iter().map(|found| &found.octree as &dyn Storage);
+        Drawn { voxels: octrees.map(|octree| (octree, &self.lattice)).collect(), models }
+    }
+}
+
+/// Voxels along the longest axis for placing the camera, at most.
+const COARSE: u32 = 128;
+
+fn coarse_voxels(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Result<Coarse> {
+    let resolution = lattice.n_voxels().into_iter().max().unwrap_or(1);
+    let levels = resolution.div_ceil(COARSE).next_power_of_two().ilog2();
+    let coarse = Lattice::new(lattice.bounds(), (resolution >> levels).max(1));
+    let settings = Settings { simd, certify: scene.certify, ..Settings::default() };
+    let find =
+        |surface: &Surface| voxelize::voxelize(&surface.expr, &coarse, &settings, &Unwatched);
+    let voxelizations: Result<Vec<Voxelization>> = scene.surfaces.iter().map(find).collect();
+    Ok(Coarse { voxelizations: voxelizations?, lattice: coarse })
+}
+
+/// Whether only those voxels are found that the picture shows.
+fn is_visible_only(scene: &Scene, options: &Options, lattice: &Lattice) -> bool {
+    // The paper's storages and schedule hold and find all, and so do values alone. The normals of
+    // voxels without a gradient, and of slabs, are those of their neighbours, which may be anywhere.
+    let needs_all = scene.storage != StorageKind::Morton
+        || scene.schedule != Schedule::Stealing
+        || !scene.certify
+        || scene.image.shade != Shade::Refine
+        || lattice.depth() <= BLOCK_LEVELS;
+    scene.visible_only.unwrap_or(!options.find_all && !needs_all)
 }
 
 /// The voxel lattice of `scene`, with another resolution if one is given.

@@ -18,6 +18,8 @@ pub struct Statistics {
     pub scene: String,
     /// Voxels along x, y and z.
     pub resolution: [u32; 3],
+    /// Whether only voxels were found that the picture shows.
+    pub visible_only: bool,
     /// The box that was searched: the scene's domain, widened to whole voxels.
     pub domain: DomainBox,
     /// Boxes evaluated with interval arithmetic.
@@ -76,7 +78,8 @@ impl Boxes {
     pub fn sum<'a>(efforts: impl Iterator<Item = &'a Effort>) -> Self {
         let mut sum = Self::default();
         for Effort { boxes, gradients, corners, closer_looks } in efforts {
-            sum.tested_per_level.resize(boxes.len(), 0);
+            let n_levels = sum.tested_per_level.len().max(boxes.len());
+            sum.tested_per_level.resize(n_levels, 0);
             sum.tested_per_level.iter_mut().zip(boxes).for_each(|(sum, n)| *sum += n);
             sum.gradients += gradients;
             sum.corners += corners;

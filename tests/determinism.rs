@@ -9,6 +9,7 @@ use zeroset::{
     pipeline::{self, Options, Picture},
     progress::Unwatched,
     scene::{self, Scene},
+    statistics::Statistics,
 };
 
 fn load(name: &str) -> Scene {
@@ -19,13 +20,14 @@ fn load(name: &str) -> Scene {
     scene
 }
 
-fn render(scene: &Scene, threads: usize, simd: Option<SimdLevel>) -> Picture {
+fn render(scene: &Scene, threads: usize, simd: Option<SimdLevel>, find_all: bool) -> Picture {
     let options = Options {
         out_dir: "unused".into(),
         threads: NonZeroUsize::new(threads),
         resolution: Some(150),
         simd,
         max_memory: None,
+        find_all,
     };
     pipeline::render(scene, &options, &Unwatched).unwrap()
 }
@@ -33,16 +35,20 @@ fn render(scene: &Scene, threads: usize, simd: Option<SimdLevel>) -> Picture {
 /// What must not change, down to the last bit of every layer.
 fn bits(picture: &Picture) -> String {
     let statistics = &picture.statistics;
-    format!("{:?} {:?} {:?}", statistics.octree, statistics.boxes, picture.frame.digest())
+    let Statistics { octree, boxes, voxels, .. } = statistics;
+    format!("{octree:?} {boxes:?} {voxels:?} {:?}", picture.frame.digest())
 }
 
 #[test]
 fn threads_do_not_show() {
     for name in ["scene1.toml", "scene2.toml", "solids.toml"] {
         let scene = load(name);
-        let alone = bits(&render(&scene, 1, None));
-        for threads in [2, 7] {
-            assert_eq!(bits(&render(&scene, threads, None)), alone, "{name}, {threads} threads");
+        for find_all in [true, false] {
+            let bits = |threads| bits(&render(&scene, threads, None, find_all));
+            let alone = bits(1);
+            for threads in [2, 7] {
+                assert_eq!(bits(threads), alone, "{name}, {threads} threads");
+            }
         }
     }
 }
@@ -51,9 +57,12 @@ fn threads_do_not_show() {
 fn instruction_sets_do_not_show() {
     for name in ["scene1.toml", "scene3.toml", "gyroid.toml", "solids.toml"] {
         let scene = load(name);
-        let best = bits(&render(&scene, 2, None));
-        for level in SimdLevel::available() {
-            assert_eq!(bits(&render(&scene, 2, Some(level))), best, "{name}, {}", level.name());
+        for find_all in [true, false] {
+            let best = bits(&render(&scene, 2, None, find_all));
+            for level in SimdLevel::available() {
+                let other = bits(&render(&scene, 2, Some(level), find_all));
+                assert_eq!(other, best, "{name}, {}", level.name());
+            }
         }
     }
 }

@@ -101,6 +101,7 @@ fn render(scene: &str, size: Size) -> Result<Picture, Failed> {
         resolution: Some(size.resolution),
         simd: None,
         max_memory: None,
+        find_all: true,
     };
     pipeline::render(&scene, &options, &Unwatched).map_err(|error| error.to_string().into())
 }

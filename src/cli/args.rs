@@ -206,6 +206,7 @@ fn render(args: RenderArgs) -> Plan {
             resolution: args.resolution,
             simd: args.simd,
             max_memory: args.max_memory,
+            find_all: args.stats.is_some(),
         },
         stats: match args.stats {
             None => StatsTarget::Nowhere,

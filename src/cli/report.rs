@@ -77,7 +77,12 @@ pub(super) fn fine(path: &Path, scene: &Scene) {
     let domain = scene.domain.map_or("a box to be found".to_owned(), |Aabb { min, max }| {
         format!("the box from {min} to {max}")
     });
-    let (resolution, image) = (scene.resolution, &scene.image);
+    let image = &scene.image;
+    let resolution = if scene.is_auto {
+        "as fine as the picture".to_owned()
+    } else {
+        scene.resolution.to_string()
+    };
     say(&format!(
         "{}: fine: {surfaces} in {domain}, resolution {resolution}, {} x {} pixels",
         path.display(),

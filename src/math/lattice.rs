@@ -35,6 +35,8 @@ pub struct Lattice {
     n_voxels: [u32; 3],
     depth: u32,
     voxel_size: f64,
+    /// The middle of the domain.
+    middle: DVec3,
     corners: [Vec<f64>; 3],
     centers: [Vec<f64>; 3],
 }
@@ -64,14 +66,66 @@ impl Lattice {
         });
         let half = 0.5 * voxel_size;
         let corners: [Vec<f64>; 3] = [0, 1, 2].map(|axis| {
-            let n = i64::from(n_voxels[axis]);
-            (0..=n).map(|i| center[axis] + (2 * i - n) as f64 * half).collect()
+            let n = f64::from(n_voxels[axis]);
+            (0..=n_voxels[axis]).map(|i| corner(center[axis], f64::from(i), n, half)).collect()
         });
-        let middles = |planes: &Vec<f64>| planes.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
-        let centers = corners.each_ref().map(middles);
         let depth =
             n_voxels.iter().fold(2, |depth: u32, n| depth.max(n.next_power_of_two().ilog2()));
-        Self { n_voxels, depth, voxel_size, corners, centers }
+        Self { n_voxels, depth, voxel_size, middle: center, centers: centers(&corners), corners }
+    }
+
+    /// The lattice of the 32³ cells of an octant, counted in octants of its level; its voxels are
+    /// those of this lattice where the level is five above the voxels. Cells that are larger
+    /// than voxels may overhang the domain.
+    #[must_use]
+    pub fn block(&self, level: u32, ijk: [u64; 3]) -> Self {
+        const SIDE: u32 = 1 << BLOCK_DEPTH;
+        let (cells, half) = self.cells(level + BLOCK_DEPTH);
+        let first = ijk.map(|i| i as f64 * f64::from(SIDE));
+        let n_voxels = [0, 1, 2].map(|axis| {
+            let left = (cells[axis] - first[axis]).ceil();
+            left.clamp(1.0, f64::from(SIDE)) as u32
+        });
+        let corners = [0, 1, 2].map(|axis| {
+            let plane = |i: u32| first[axis] + f64::from(i);
+            let at = |i| corner(self.middle[axis], plane(i), cells[axis], half);
+            (0..=n_voxels[axis]).map(at).collect()
+        });
+        Self {
+            n_voxels,
+            depth: BLOCK_DEPTH,
+            voxel_size: 2.0 * half,
+            middle: self.middle,
+            centers: centers(&corners),
+            corners,
+        }
+    }
+
+    /// The box of an octant, cut to the domain; `None` if it lies outside.
+    #[must_use]
+    pub fn octant_bounds(&self, level: u32, ijk: [u64; 3]) -> Option<Aabb> {
+        let (cells, half) = self.cells(level);
+        let at = |end: f64| {
+            DVec3::from_array([0, 1, 2].map(|axis| {
+                let plane = (ijk[axis] as f64 + end).min(cells[axis]);
+                corner(self.middle[axis], plane, cells[axis], half)
+            }))
+        };
+        let is_in = (0..3).all(|axis| (ijk[axis] as f64) < cells[axis]);
+        is_in.then(|| Aabb { min: at(0.0), max: at(1.0) })
+    }
+
+    /// Edge of the octants of a level, in scene units.
+    #[must_use]
+    pub fn octant_edge(&self, level: u32) -> f64 {
+        2.0 * self.cells(level).1
+    }
+
+    /// How many octants of a level the domain is long along each axis, and half their edge.
+    fn cells(&self, level: u32) -> ([f64; 3], f64) {
+        // Powers of two: nothing is rounded.
+        let per_voxel = power_of_two(level as i32 - self.depth as i32);
+        (self.n_voxels.map(|n| f64::from(n) * per_voxel), 0.5 * self.voxel_size / per_voxel)
     }
 
     /// Voxels along each axis.
@@ -130,9 +184,57 @@ impl Lattice {
     }
 }
 
+/// Levels of a block.
+const BLOCK_DEPTH: u32 = 5;
+
+/// The coordinate of a plane, counted from the first of `n` cells whose edge is twice `half`. On
+/// finer and coarser levels of a lattice the same planes have the same coordinates: all numbers but
+/// the last differ by powers of two.
+fn corner(middle: f64, plane: f64, n: f64, half: f64) -> f64 {
+    middle + (2.0 * plane - n) * half
+}
+
+/// The middles between planes.
+fn centers(corners: &[Vec<f64>; 3]) -> [Vec<f64>; 3] {
+    let middles = |planes: &Vec<f64>| planes.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
+    corners.each_ref().map(middles)
+}
+
+/// 2 to the power `n`, which must be that of a normal number.
+fn power_of_two(n: i32) -> f64 {
+    f64::from_bits(((n + 1023) as u64) << 52)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Blocks of the last levels have the corners of the lattice.
+    #[test]
+    fn blocks_are_parts_of_the_lattice() {
+        let l = lattice([-1.3, 0.1, 0.0], [1.3, 2.0, 0.7], 300);
+        let level = l.depth() - 5;
+        for ijk in [[0, 0, 0], [3, 2, 1], [9, 6, 2]] {
+            let block = l.block(level, ijk);
+            for axis in 0..3 {
+                let first = ijk[axis] as u32 * 32;
+                let n = block.n_voxels()[axis];
+                assert_eq!(n, 32.min(l.n_voxels()[axis] - first));
+                for i in 0..=n {
+                    assert_eq!(block.corner(axis, i), l.corner(axis, first + i));
+                }
+            }
+            let bounds = l.octant_bounds(level, ijk).unwrap();
+            assert_eq!(bounds, block.bounds());
+        }
+        assert_eq!(l.octant_bounds(level, [10, 0, 0]), None);
+        // Two levels up, and thirty down.
+        let coarse = l.block(level - 2, [2, 1, 0]);
+        assert_eq!(coarse.corner(0, 3), l.corner(0, 4 * (64 + 3)));
+        let deep = l.block(level + 30, [(5 << 30) + 1, 7 << 28, 0]);
+        assert_eq!(deep.corner(1, 0), l.corner(1, 7 * 8));
+        assert!(deep.corner(0, 0) > l.corner(0, 160) && deep.corner(0, 0) < l.corner(0, 161));
+    }
 
     fn lattice(min: [f64; 3], max: [f64; 3], resolution: u32) -> Lattice {
         Lattice::new(Aabb { min: min.into(), max: max.into() }, resolution)

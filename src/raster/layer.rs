@@ -6,11 +6,23 @@ use rayon::prelude::*;
 use super::{Content, Material, Model, fit::fold_reach};
 use crate::{expr::Tape, math::Lattice, octree::Storage};
 
+/// Where the voxels of a surface come from.
+#[derive(Clone, Copy)]
+pub enum Source<'a> {
+    /// All of them were found.
+    Stored(&'a dyn Storage),
+    /// They are found where the picture shows them.
+    OnDemand {
+        /// Whether they are made as small as pixels, and not as the lattice says.
+        is_auto: bool,
+    },
+}
+
 /// The voxels of one surface and how they look.
 #[derive(Clone, Copy)]
 pub struct Layer<'a> {
     /// The voxels.
-    pub storage: &'a dyn Storage,
+    pub source: Source<'a>,
     /// Where they lie.
     pub lattice: &'a Lattice,
     /// How they look.
@@ -22,18 +34,23 @@ pub struct Layer<'a> {
 /// The near plane's depth in voxel sizes: the rays start here.
 const NEAR_VOXELS: f64 = 1e-3;
 
+/// The same where voxels become as small as pixels.
+const NEAR_VOXELS_AUTO: f64 = 1e-9;
+
 impl Layer<'_> {
     /// Depth of the near plane.
     pub(super) fn near(&self) -> f64 {
-        NEAR_VOXELS * self.lattice.voxel_size()
+        let is_auto = matches!(self.source, Source::OnDemand { is_auto: true });
+        let voxels = if is_auto { NEAR_VOXELS_AUTO } else { NEAR_VOXELS };
+        voxels * self.lattice.voxel_size()
     }
 }
 
 /// All that a picture shows.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Drawn<'a> {
-    /// The surfaces.
-    pub layers: &'a [Layer<'a>],
+    /// The voxels of the surfaces.
+    pub voxels: Vec<(&'a dyn Storage, &'a Lattice)>,
     /// The polygon models.
     pub models: &'a [Model],
 }
@@ -41,33 +58,31 @@ pub struct Drawn<'a> {
 impl Content for Drawn<'_> {
     fn reach<const N: usize>(&self, directions: [DVec3; N]) -> [f64; N] {
         let of_models = self.models.iter().map(|model| model.reach(directions));
-        fold_reach(of_models.chain([self.layers.reach(directions)]))
+        let of_voxels =
+            self.voxels.iter().map(|(storage, lattice)| reach(*storage, lattice, directions));
+        fold_reach(of_models.chain(of_voxels))
     }
 }
 
-/// All voxels' cubes: what a fitted camera shows.
-impl Content for [Layer<'_>] {
-    fn reach<const N: usize>(&self, directions: [DVec3; N]) -> [f64; N] {
-        fold_reach(self.iter().map(|layer| layer.reach(directions)))
-    }
-}
-
-impl Content for Layer<'_> {
-    fn reach<const N: usize>(&self, directions: [DVec3; N]) -> [f64; N] {
-        let parts = self.storage.parts();
-        let of_centers: Vec<[f64; N]> = parts
-            .par_iter()
-            .map(|&part| {
-                let mut reach = [f64::NEG_INFINITY; N];
-                self.storage.visit(part, &mut |voxel| {
-                    let center = self.lattice.voxel_center(voxel.ijk);
-                    reach = fold_reach([reach, directions.map(|d| d.dot(center))]);
-                });
-                reach
-            })
-            .collect();
-        let half = 0.5 * self.lattice.voxel_size();
-        let of_centers = fold_reach(of_centers);
-        std::array::from_fn(|k| of_centers[k] + half * directions[k].abs().element_sum())
-    }
+/// How far the cubes of all voxels reach.
+fn reach<const N: usize>(
+    storage: &dyn Storage,
+    lattice: &Lattice,
+    directions: [DVec3; N],
+) -> [f64; N] {
+    let parts = storage.parts();
+    let of_centers: Vec<[f64; N]> = parts
+        .par_iter()
+        .map(|&part| {
+            let mut reach = [f64::NEG_INFINITY; N];
+            storage.visit(part, &mut |voxel| {
+                let center = lattice.voxel_center(voxel.ijk);
+                reach = fold_reach([reach, directions.map(|d| d.dot(center))]);
+            });
+            reach
+        })
+        .collect();
+    let half = 0.5 * lattice.voxel_size();
+    let of_centers = fold_reach(of_centers);
+    std::array::from_fn(|k| of_centers[k] + half * directions[k].abs().element_sum())
 }

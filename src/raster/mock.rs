@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Layer, Material};
+use super::{Content, Layer, Material, Source, layer::Drawn};
 use crate::{
     math::{Aabb, Lattice, morton_encode},
     octree::{Bytes, Occupancy, OctNormal, Part, Storage, Voxel},
@@ -75,7 +75,14 @@ impl Mock {
 
     pub(super) fn layer(&self, color: [f32; 3]) -> Layer<'_> {
         let material = Material { color, back_color: color, specular: 0.3, shininess: 40 };
-        Layer { storage: self, lattice: &self.lattice, material, tape: None }
+        Layer { source: Source::Stored(self), lattice: &self.lattice, material, tape: None }
+    }
+}
+
+/// Its voxels' cubes.
+impl Content for Mock {
+    fn reach<const N: usize>(&self, directions: [DVec3; N]) -> [f64; N] {
+        Drawn { voxels: vec![(self, &self.lattice)], models: &[] }.reach(directions)
     }
 }
 

@@ -15,6 +15,7 @@
 //! "Rendering Point Clouds with Compute Shaders and Vertex Order Optimization", Computer Graphics
 //! Forum 2021 (a z-buffer of 64-bit integers, depth above identity).
 
+mod block;
 mod camera;
 mod digest;
 mod fit;
@@ -37,11 +38,12 @@ mod triangles;
 mod walk;
 mod zbuffer;
 
+pub use block::OnDemandCount;
 pub use camera::Camera;
 pub use digest::{FrameDigest, PlaneDigest};
 pub use fit::Content;
 pub use frame::Frame;
-pub use layer::{Drawn, Layer};
+pub use layer::{Drawn, Layer, Source};
 pub use settings::{Axes, ImageSettings, Light, Material, Placement, Projection, Shade, View};
 
 pub use triangles::Model;
@@ -53,11 +55,10 @@ use screen::Screen;
 ///
 /// The camera must have been made for the picture's aspect, or the picture is stretched.
 ///
+/// Also tells what was found of layers whose voxels are found on demand.
+///
 /// # Errors
 /// [`crate::Error::Interrupted`] if `progress` asks to stop.
-///
-/// # Panics
-/// If the layers hold 2^32 voxels or more together.
 pub fn render(
     layers: &[Layer<'_>],
     models: &[Model],
@@ -65,7 +66,7 @@ pub fn render(
     image: &ImageSettings,
     simd: SimdLevel,
     progress: &dyn Progress,
-) -> Result<Frame> {
+) -> Result<(Frame, OnDemandCount)> {
     let screen = Screen::new(camera, image.width, image.height, image.samples);
     shade::shade(layers, models, &screen, image, simd, progress)
 }

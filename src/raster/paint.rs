@@ -7,17 +7,18 @@
 use glam::DVec3;
 
 use super::{
-    ImageSettings, Layer, Shade,
-    resolve::{Shown, Voxels},
+    Layer, Shade, Source,
+    block::{Block, BlockMaker, BlockView, Blocks, RANK_BITS},
+    resolve::{Shown, shown},
     screen::Screen,
-    splat::{Splatter, first_ids},
-    tile::{Block, Blocks, Tile},
+    splat::Splatter,
+    tile::Tile,
     trace::{Meeting, Quest, Trace, Traced},
     triangles::Triangles,
     walk::{Cells, Span},
-    zbuffer::ZBuffer,
+    zbuffer::{Hit, ZBuffer},
 };
-use crate::octree::Part;
+use crate::voxelize::FindVoxels;
 
 /// What a sample shows.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +30,8 @@ pub(super) struct Seen {
     pub(super) normal: DVec3,
     /// Whether the surface provably passes through the voxel.
     pub(super) certified: bool,
+    /// Edge of the voxel.
+    pub(super) voxel_size: f64,
     /// What the material's colour is multiplied by.
     pub(super) tint: [f32; 3],
 }
@@ -36,79 +39,63 @@ pub(super) struct Seen {
 /// The material's colour as it is.
 pub(super) const UNTINTED: [f32; 3] = [1.0; 3];
 
-/// Everything that painting a tile needs to know.
-pub(super) struct Painter<'a> {
-    layers: &'a [Layer<'a>],
-    screen: &'a Screen,
-    blocks: &'a Blocks,
-    triangles: &'a Triangles<'a>,
-    voxels: Voxels<'a>,
-    splatters: Vec<Splatter<'a>>,
-    shade: Shade,
-    candidates: bool,
-    /// Whether all surfaces can be traced.
-    has_formulas: bool,
+/// What one thread paints with.
+pub(super) struct Tools {
+    pub(super) tracer: Box<dyn Trace>,
+    pub(super) finder: Box<dyn FindVoxels>,
 }
 
-impl<'a> Painter<'a> {
-    pub(super) fn new(
-        layers: &'a [Layer<'a>],
-        screen: &'a Screen,
-        blocks: &'a Blocks,
-        triangles: &'a Triangles<'a>,
-        image: &ImageSettings,
-    ) -> Self {
-        let candidates = image.candidates;
-        let splatter = |(first_id, layer)| Splatter::new(layer, first_id, screen, candidates);
-        Self {
-            layers,
-            screen,
-            blocks,
-            triangles,
-            voxels: Voxels::new(layers),
-            splatters: first_ids(layers).zip(layers).map(splatter).collect(),
-            shade: image.shade,
-            candidates,
-            has_formulas: layers.iter().all(|layer| layer.tape.is_some()),
-        }
-    }
+/// Everything that painting a tile needs to know.
+pub(super) struct Painter<'a> {
+    pub(super) maker: BlockMaker<'a>,
+    pub(super) blocks: &'a Blocks,
+    pub(super) triangles: &'a Triangles<'a>,
+    pub(super) shade: Shade,
+}
 
+impl Painter<'_> {
     /// What each sample of the tile in the given column and row of tiles shows.
     pub(super) fn paint(
         &self,
         place: (usize, usize),
         tile: &Tile,
-        tracer: &mut dyn Trace,
+        tools: &mut Tools,
     ) -> Vec<Option<Seen>> {
-        let mut seen = self.surfaces(place, tile, tracer);
-        self.triangles.draw(place, tile, self.layers.len(), &mut seen);
+        let blocks: Vec<&Block> = self.blocks.of_tile(place).collect();
+        let mut seen = self.surfaces(&blocks, tile, tools);
+        self.triangles.draw(place, tile, self.layers().len(), &mut seen);
         seen
     }
 
+    fn layers(&self) -> &[Layer<'_>] {
+        self.maker.layers
+    }
+
+    fn screen(&self) -> &Screen {
+        self.maker.screen
+    }
+
     /// What each sample shows of the surfaces.
-    fn surfaces(
-        &self,
-        place: (usize, usize),
-        tile: &Tile,
-        tracer: &mut dyn Trace,
-    ) -> Vec<Option<Seen>> {
+    fn surfaces(&self, blocks: &[&Block], tile: &Tile, tools: &mut Tools) -> Vec<Option<Seen>> {
+        // Only surfaces that have a formula can be traced.
+        let has_formulas = self.layers().iter().all(|layer| layer.tape.is_some());
         match self.shade {
             Shade::GlPoint => {
                 let mut zbuffer = ZBuffer::new(tile);
-                for block in self.blocks.of_tile(place) {
-                    self.splatters[block.layer].points(block, tile, &mut zbuffer);
-                }
+                let first_ranks = self.draw(blocks, tile, tools, &mut zbuffer, |splatter, z| {
+                    splatter.points(tile, z)
+                });
                 let hits = (0..tile.n_samples()).map(|sample| zbuffer.met.get(sample));
-                hits.map(|hit| hit.map(|hit| self.voxels.seen(hit))).collect()
+                hits.map(|hit| hit.map(|hit| self.seen(blocks, &first_ranks, hit))).collect()
             }
-            Shade::Refine if self.has_formulas => {
+            Shade::Refine if has_formulas => {
                 let mut seen = vec![None; tile.n_samples()];
                 let wanted = vec![f64::INFINITY; tile.n_samples()];
-                self.trace(place, tile, wanted, tracer, &mut seen, false);
+                self.trace(blocks, tile, wanted, tools, &mut seen, false);
                 seen
             }
             Shade::Refine | Shade::Voxel | Shade::Slab | Shade::Status => {
-                let mut seen = self.splat(place, tile, tracer);
+                let mut seen = self.splat(blocks, tile, tools, has_formulas);
                 if self.shade == Shade::Slab {
                     for (sample, seen) in seen.iter_mut().enumerate() {
                         if let Some(seen) = seen {
@@ -121,35 +108,75 @@ impl<'a> Painter<'a> {
         }
     }
 
+    /// Draws blocks into the z-buffer, each with `draw`, unless they are hidden. Returns the rank of
+    /// the first voxel of each.
+    fn draw(
+        &self,
+        blocks: &[&Block],
+        tile: &Tile,
+        tools: &mut Tools,
+        zbuffer: &mut ZBuffer,
+        draw: impl Fn(&Splatter<'_>, &mut ZBuffer) -> u32,
+    ) -> Vec<u32> {
+        let mut first_ranks = vec![0; blocks.len()];
+        for (number, block) in blocks.iter().enumerate() {
+            let Some(part) = block.extent.intersection(tile) else { continue };
+            if zbuffer.hides(tile, &part, block.nearest) {
+                continue;
+            }
+            let near = self.layers()[block.layer].near();
+            let first_id = first_id(number);
+            first_ranks[number] = self.maker.with(block, &mut *tools.finder, |view, _| {
+                let candidates = self.maker.candidates;
+                draw(&Splatter::new(view, first_id, self.screen(), near, candidates), zbuffer)
+            });
+        }
+        first_ranks
+    }
+
+    /// What is known of the voxel of a hit.
+    fn seen(&self, blocks: &[&Block], first_ranks: &[u32], Hit { depth, id }: Hit) -> Seen {
+        let number = (id >> RANK_BITS) as usize;
+        let block = blocks[number];
+        let view = self.maker.view(block).unwrap_or_else(|| unreachable!("it was drawn"));
+        let rank = first_ranks[number] + (id & ((1 << RANK_BITS) - 1));
+        Seen {
+            layer: block.layer,
+            depth: f64::from(depth),
+            normal: view.storage.normal(rank).decode(),
+            certified: view.storage.is_certified(rank),
+            voxel_size: view.lattice.voxel_size(),
+            tint: UNTINTED,
+        }
+    }
+
     /// By voxels in a z-buffer.
     fn splat(
         &self,
-        place: (usize, usize),
+        blocks: &[&Block],
         tile: &Tile,
-        tracer: &mut dyn Trace,
+        tools: &mut Tools,
+        has_formulas: bool,
     ) -> Vec<Option<Seen>> {
         let mut zbuffer = ZBuffer::new(tile);
-        for block in self.blocks.of_tile(place) {
-            let Some(part) = block.extent.intersection(tile) else { continue };
-            if !zbuffer.hides(tile, &part, block.nearest) {
-                self.splatters[block.layer].cubes(block, tile, &mut zbuffer);
-            }
-        }
-        let shown: Vec<Option<Shown>> = (0..tile.n_samples())
-            .map(|sample| {
-                let (column, row) = tile.place(sample);
-                let (met, covered) = (zbuffer.met.get(sample), zbuffer.covered.get(sample));
-                self.voxels.shown(&self.screen.ray(column, row), met, covered)
-            })
-            .collect();
+        let first_ranks = self.draw(blocks, tile, tools, &mut zbuffer, |splatter, zbuffer| {
+            splatter.cubes(tile, zbuffer)
+        });
+        let of_sample = |sample| {
+            let (column, row) = tile.place(sample);
+            let (met, covered) = (zbuffer.met.get(sample), zbuffer.covered.get(sample));
+            let seen = |hit| self.seen(blocks, &first_ranks, hit);
+            shown(&self.screen().ray(column, row), met, covered, seen)
+        };
+        let shown: Vec<Option<Shown>> = (0..tile.n_samples()).map(of_sample).collect();
         let mut seen: Vec<_> = shown.iter().map(|shown| shown.map(|shown| shown.seen)).collect();
-        if self.has_formulas {
+        if has_formulas {
             let mut wanted = vec![f64::NEG_INFINITY; tile.n_samples()];
             for sample in (0..tile.n_samples()).filter(|&i| self.is_at_rim(tile, &shown, i)) {
                 wanted[sample] = f64::INFINITY;
                 seen[sample] = None;
             }
-            self.trace(place, tile, wanted, tracer, &mut seen, true);
+            self.trace(blocks, tile, wanted, tools, &mut seen, true);
         }
         seen
     }
@@ -158,7 +185,7 @@ impl<'a> Painter<'a> {
     fn is_at_rim(&self, tile: &Tile, shown: &[Option<Shown>], sample: usize) -> bool {
         let Some(Shown { seen, is_met }) = shown[sample] else { return false };
         let (column, row) = tile.place(sample);
-        let direction = self.screen.ray(column, row).direction;
+        let direction = self.screen().ray(column, row).direction;
         let is_grazed = seen.normal.dot(direction).abs() < GRAZING * direction.length();
         let is_border = column == tile.columns.start
             || column + 1 == tile.columns.end
@@ -167,7 +194,7 @@ impl<'a> Painter<'a> {
         if !is_met || is_grazed || is_border {
             return true;
         }
-        let step = STEP_VOXELS * self.layers[seen.layer].lattice.voxel_size();
+        let step = STEP_VOXELS * seen.voxel_size;
         let width = tile.columns.len();
         [sample - 1, sample + 1, sample - width, sample + width].into_iter().any(|neighbour| {
             shown[neighbour].is_none_or(|other| (other.seen.depth - seen.depth).abs() > step)
@@ -178,17 +205,18 @@ impl<'a> Painter<'a> {
     /// they meet in `seen`; with the normals of voxels, or those of the surface.
     fn trace(
         &self,
-        place: (usize, usize),
+        blocks: &[&Block],
         tile: &Tile,
         mut farthest: Vec<f64>,
-        tracer: &mut dyn Trace,
+        tools: &mut Tools,
         seen: &mut [Option<Seen>],
         of_voxels: bool,
     ) {
+        let Tools { tracer, finder } = tools;
         let (mut quests, mut meetings): (Vec<Quest>, Vec<Meeting>) = (Vec::new(), Vec::new());
-        for block in self.blocks.of_tile(place) {
+        for block in blocks {
             let Some(part) = block.extent.intersection(tile) else { continue };
-            let layer = &self.layers[block.layer];
+            let layer = &self.layers()[block.layer];
             let Some(tape) = layer.tape else { continue };
             let is_open = |row: usize| {
                 let first = tile.sample(part.columns.start, row);
@@ -197,33 +225,31 @@ impl<'a> Painter<'a> {
             if !part.rows.clone().any(is_open) {
                 continue;
             }
-            let (eye, near) = (self.screen.eye, layer.near());
-            let cells = &cells(layer, block.part, eye, self.candidates);
-            let depths = self.depths(cells, near, &part);
-            quests.clear();
-            for row in part.rows.clone() {
-                for column in part.columns.clone() {
-                    let sample = tile.sample(column, row);
-                    let Span { from, to } = depths[part.sample(column, row)];
-                    let farthest = farthest[sample].min(to);
-                    if from < farthest {
-                        let ray = self.screen.ray(column, row);
-                        quests.push(Quest { sample: sample as u32, ray, from, farthest });
+            self.maker.with(block, &mut **finder, |view, cells| {
+                let depths = self.depths(cells, layer.near(), &part);
+                quests.clear();
+                for row in part.rows.clone() {
+                    for column in part.columns.clone() {
+                        let sample = tile.sample(column, row);
+                        let Span { from, to } = depths[part.sample(column, row)];
+                        let farthest = farthest[sample].min(to);
+                        if from < farthest {
+                            let ray = self.screen().ray(column, row);
+                            quests.push(Quest { sample: sample as u32, ray, from, farthest });
+                        }
                     }
                 }
-            }
-            if quests.is_empty() {
-                continue;
-            }
-            meetings.clear();
-            tracer.trace(&Traced { tape, cells, eye }, &quests, &mut meetings);
-            for meeting in &meetings {
-                let sample = meeting.sample as usize;
-                if meeting.depth < farthest[sample] {
-                    farthest[sample] = meeting.depth;
-                    seen[sample] = Some(self.met(block, tile, meeting, of_voxels));
+                meetings.clear();
+                let eye = self.screen().eye;
+                tracer.trace(&Traced { tape, cells, eye }, &quests, &mut meetings);
+                for meeting in &meetings {
+                    let sample = meeting.sample as usize;
+                    if meeting.depth < farthest[sample] {
+                        farthest[sample] = meeting.depth;
+                        seen[sample] = Some(self.met(block, view, tile, meeting, of_voxels));
+                    }
                 }
-            }
+            });
         }
     }
 
@@ -232,9 +258,9 @@ impl<'a> Painter<'a> {
         let never = Span { from: f64::INFINITY, to: f64::NEG_INFINITY };
         let mut depths = vec![never; part.n_samples()];
         let (centers, half) = cells.boxes();
-        let extent = self.screen.extent(DVec3::splat(half * (1.0 + 1e-6)));
+        let extent = self.screen().extent(DVec3::splat(half * (1.0 + 1e-6)));
         for center in centers {
-            let Some(footprint) = self.screen.footprint(center, extent, near) else { continue };
+            let Some(footprint) = self.screen().footprint(center, extent, near) else { continue };
             let touched = Tile { columns: footprint.columns, rows: footprint.rows };
             let Some(touched) = touched.intersection(part) else { continue };
             let (from, to) = (footprint.nearest, footprint.farthest);
@@ -250,28 +276,39 @@ impl<'a> Painter<'a> {
     }
 
     /// What a sample shows whose ray meets the surface.
-    fn met(&self, block: &Block, tile: &Tile, meeting: &Meeting, of_voxels: bool) -> Seen {
-        let layer = &self.layers[block.layer];
+    fn met(
+        &self,
+        block: &Block,
+        view: BlockView<'_>,
+        tile: &Tile,
+        meeting: &Meeting,
+        of_voxels: bool,
+    ) -> Seen {
+        let BlockView { storage, lattice, .. } = view;
         let (column, row) = tile.place(meeting.sample as usize);
-        let point = self.screen.eye + self.screen.ray(column, row).at(meeting.depth);
+        let point = self.screen().eye + self.screen().ray(column, row).at(meeting.depth);
         let Meeting { depth, gradient, .. } = *meeting;
         let own = unit(gradient).filter(|_| !of_voxels);
-        let rank = layer.storage.find(layer.lattice.voxel_at(point));
-        let normal = own.or_else(|| rank.map(|rank| layer.storage.normal(rank).decode()));
+        let rank = storage.find(lattice.voxel_at(point));
+        let normal = own.or_else(|| rank.map(|rank| storage.normal(rank).decode()));
         Seen {
             layer: block.layer,
             depth,
             normal: normal.or_else(|| unit(gradient)).unwrap_or(DVec3::Z),
-            certified: rank.is_some_and(|rank| layer.storage.is_certified(rank)),
+            certified: rank.is_some_and(|rank| storage.is_certified(rank)),
+            voxel_size: lattice.voxel_size(),
             tint: UNTINTED,
         }
     }
 
     /// The normal between those of the voxels around, as far as they belong to the same sheet.
     fn blended(&self, tile: &Tile, sample: usize, seen: &Seen) -> DVec3 {
-        let Layer { storage, lattice, .. } = &self.layers[seen.layer];
+        let Layer { source: Source::Stored(storage), lattice, .. } = self.layers()[seen.layer]
+        else {
+            return seen.normal;
+        };
         let (column, row) = tile.place(sample);
-        let point = self.screen.eye + self.screen.ray(column, row).at(seen.depth);
+        let point = self.screen().eye + self.screen().ray(column, row).at(seen.depth);
         let at = (point - lattice.bounds().min) / lattice.voxel_size() - 0.5;
         let (first, part) = (at.floor(), at - at.floor());
         let mut sum = DVec3::ZERO;
@@ -308,16 +345,9 @@ fn unit(v: DVec3) -> Option<DVec3> {
     (v.is_finite() && largest > f64::MIN_POSITIVE).then(|| (v / largest).normalize())
 }
 
-/// The voxels of a part of a layer.
-fn cells(layer: &Layer<'_>, part: Part, eye: DVec3, candidates: bool) -> Cells {
-    let Layer { storage, lattice, .. } = layer;
-    let first = part.ijk.map(|i| i << (storage.depth() - part.level));
-    let corner = [0, 1, 2].map(|axis| lattice.corner(axis, first[axis]));
-    let mut cells = Cells::new(DVec3::from_array(corner) - eye, lattice.voxel_size());
-    storage.visit(part, &mut |voxel| {
-        if candidates || voxel.certified {
-            cells.insert([0, 1, 2].map(|axis| voxel.ijk[axis] - first[axis]));
-        }
-    });
-    cells
+/// The identity of the first voxel of a tile's block.
+fn first_id(number: usize) -> u32 {
+    // A tile has some 64² samples, and each shows a few blocks.
+    assert!(number < 1 << (32 - RANK_BITS), "a tile shows 131072 blocks at most");
+    (number as u32) << RANK_BITS
 }

@@ -18,23 +18,12 @@
 //! contain the surface. Just inside it, a ray that passes over the rim meets the first voxels that
 //! face away; their normals are all but at right angles to the ray, as the surface's there is.
 
-use super::{
-    Layer,
-    paint::{Seen, UNTINTED},
-    screen::Ray,
-    splat::first_ids,
-    zbuffer::Hit,
-};
 use glam::DVec3;
+
+use super::{paint::Seen, screen::Ray, zbuffer::Hit};
 
 /// Largest distance along the normal between two hits of one sheet, in projected voxel sizes.
 const SHEET_VOXELS: f64 = 2.5;
-
-/// Finds voxels by their identity.
-pub(super) struct Voxels<'a> {
-    layers: &'a [Layer<'a>],
-    first_ids: Vec<u32>,
-}
 
 /// A voxel that a sample may show.
 #[derive(Clone, Copy)]
@@ -44,42 +33,28 @@ pub(super) struct Shown {
     pub(super) is_met: bool,
 }
 
-impl<'a> Voxels<'a> {
-    pub(super) fn new(layers: &'a [Layer<'a>]) -> Self {
-        Self { layers, first_ids: first_ids(layers).collect() }
-    }
-
-    /// The hit that a pixel shows, of the nearest of each kind.
-    pub(super) fn shown(&self, ray: &Ray, met: Option<Hit>, covered: Option<Hit>) -> Option<Shown> {
-        match (met, covered) {
-            (Some(met), Some(covered)) if covered.depth < met.depth => {
-                let (met, covered) = (self.seen(met), self.seen(covered));
-                let is_met = self.is_one_sheet(ray, &met, &covered);
-                Some(Shown { seen: if is_met { met } else { covered }, is_met })
-            }
-            (Some(met), _) => Some(Shown { seen: self.seen(met), is_met: true }),
-            (None, Some(covered)) => Some(Shown { seen: self.seen(covered), is_met: false }),
-            (None, None) => None,
+/// The hit that a sample shows, of the nearest of each kind; `seen` knows their voxels.
+pub(super) fn shown(
+    ray: &Ray,
+    met: Option<Hit>,
+    covered: Option<Hit>,
+    seen: impl Fn(Hit) -> Seen,
+) -> Option<Shown> {
+    match (met, covered) {
+        (Some(met), Some(covered)) if covered.depth < met.depth => {
+            let (met, covered) = (seen(met), seen(covered));
+            let is_met = is_one_sheet(ray, &met, &covered);
+            Some(Shown { seen: if is_met { met } else { covered }, is_met })
         }
+        (Some(met), _) => Some(Shown { seen: seen(met), is_met: true }),
+        (None, Some(covered)) => Some(Shown { seen: seen(covered), is_met: false }),
+        (None, None) => None,
     }
+}
 
-    /// What is known of the voxel of a hit.
-    pub(super) fn seen(&self, hit: Hit) -> Seen {
-        // An empty layer shares its first identity with the next one, which is the owner.
-        let owner = self.first_ids.partition_point(|&first| first <= hit.id) - 1;
-        let layer = &self.layers[owner];
-        let rank = hit.id - self.first_ids[owner];
-        let normal = layer.storage.normal(rank).decode();
-        let certified = layer.storage.is_certified(rank);
-        Seen { layer: owner, depth: f64::from(hit.depth), normal, certified, tint: UNTINTED }
-    }
-
-    fn is_one_sheet(&self, ray: &Ray, met: &Seen, covered: &Seen) -> bool {
-        let between = (met.depth - covered.depth) * ray.direction;
-        let size_of = |seen: &Seen| self.layers[seen.layer].lattice.voxel_size();
-        let size = size_of(met).max(size_of(covered));
-        let is_near =
-            |n: DVec3| n.dot(between).abs() <= SHEET_VOXELS * size * n.abs().element_sum();
-        is_near(met.normal) && is_near(covered.normal)
-    }
+fn is_one_sheet(ray: &Ray, met: &Seen, covered: &Seen) -> bool {
+    let between = (met.depth - covered.depth) * ray.direction;
+    let size = met.voxel_size.max(covered.voxel_size);
+    let is_near = |n: DVec3| n.dot(between).abs() <= SHEET_VOXELS * size * n.abs().element_sum();
+    is_near(met.normal) && is_near(covered.normal)
 }

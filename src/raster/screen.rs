@@ -96,6 +96,12 @@ impl Screen {
         }
     }
 
+    /// Edge of a pixel at a depth, in scene units.
+    pub(super) fn pixel_size(&self, depth: f64) -> f64 {
+        let of_sample = self.down.length().recip();
+        self.samples as f64 * of_sample * if self.is_parallel { 1.0 } else { depth }
+    }
+
     /// How many tiles stand in a row, and how many rows there are.
     pub(super) fn n_tiles(&self) -> (usize, usize) {
         (self.width.div_ceil(self.tile_edge), self.height.div_ceil(self.tile_edge))

@@ -7,14 +7,15 @@ use rayon::prelude::*;
 
 use super::{
     Frame, ImageSettings, Layer, Material, Model, Shade,
+    block::{BlockMaker, Blocks, OnDemandCount},
     light::Lights,
-    paint::{Painter, Seen},
+    paint::{Painter, Seen, Tools},
     screen::Screen,
-    tile::{Blocks, Tile},
+    tile::Tile,
     trace::tracer,
     triangles::Triangles,
 };
-use crate::{Error, Result, math::SimdLevel, progress::Progress};
+use crate::{Error, Result, math::SimdLevel, progress::Progress, voxelize::finder};
 
 /// One pixel of a [`Frame`].
 #[derive(Clone, Copy)]
@@ -33,16 +34,17 @@ pub(super) fn shade(
     image: &ImageSettings,
     simd: SimdLevel,
     progress: &dyn Progress,
-) -> Result<Frame> {
+) -> Result<(Frame, OnDemandCount)> {
     let empty = image.background.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0]);
     let mut frame = Frame::filled(image.width, image.height, empty);
     if frame.rgba.is_empty() {
-        return Ok(frame);
+        return Ok((frame, OnDemandCount::default()));
     }
-    let blocks = Blocks::new(layers, screen);
+    let blocks = Blocks::new(layers, screen, simd);
     let near = layers.iter().map(Layer::near).fold(f64::INFINITY, f64::min);
     let triangles = Triangles::new(models, screen, near);
-    let painter = Painter::new(layers, screen, &blocks, &triangles, image);
+    let maker = BlockMaker { layers, screen, candidates: image.candidates };
+    let painter = Painter { maker, blocks: &blocks, triangles: &triangles, shade: image.shade };
     let lights = Lights::new(&image.lights, screen);
     let of_layers = layers.iter().map(|layer| layer.material);
     let materials = of_layers.chain(models.iter().map(|model| model.material)).collect();
@@ -63,13 +65,13 @@ pub(super) fn shade(
             let tiles: Result<Vec<Vec<Pixel>>> = (0..n_columns)
                 .into_par_iter()
                 .map_init(
-                    || tracer(simd),
-                    |tracer, column| {
+                    || Tools { tracer: tracer(simd), finder: finder(simd) },
+                    |tools, column| {
                         if progress.is_cancelled() {
                             return Err(Error::Interrupted);
                         }
                         let tile = screen.tile(column, row);
-                        let seen = painter.paint((column, row), &tile, &mut **tracer);
+                        let seen = painter.paint((column, row), &tile, tools);
                         progress.advance(1);
                         Ok(shader.pixels(&tile, &seen))
                     },
@@ -89,7 +91,8 @@ pub(super) fn shade(
             Ok(())
         })?;
     progress.end();
-    Ok(frame)
+    let count = blocks.count();
+    Ok((frame, count))
 }
 
 /// Everything that lighting a sample needs to know.

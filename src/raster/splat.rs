@@ -18,40 +18,29 @@
 use glam::DVec3;
 
 use super::{
-    Layer,
+    block::BlockView,
     screen::{Ray, Screen},
-    tile::{Block, Tile},
+    tile::Tile,
+    walk::BLOCK_SIDE,
     zbuffer::{Key, ZBuffer},
 };
-use crate::{math::Lattice, octree::Voxel};
+use crate::octree::Voxel;
 
 /// Bounds the rounding errors of a coordinate relative to the eye and of the products made with
 /// it, relative to the largest coordinate: some 45 units in the last place.
 const ROUNDING: f64 = 1e-14;
 
-/// The identity of each layer's voxel of rank 0.
-///
-/// # Panics
-/// If there are 2^32 voxels or more.
-pub(super) fn first_ids(layers: &[Layer<'_>]) -> impl Iterator<Item = u32> {
-    layers.iter().scan(0_u32, |next, layer| {
-        let first = *next;
-        *next = next
-            .checked_add(layer.storage.voxel_count())
-            .unwrap_or_else(|| panic!("a picture holds at most {} voxels", u32::MAX));
-        Some(first)
-    })
-}
-
-/// Everything about a layer that its voxels share.
+/// Draws the voxels of a block into the z-buffer of a tile.
 pub(super) struct Splatter<'a> {
-    layer: &'a Layer<'a>,
+    view: BlockView<'a>,
     first_id: u32,
     screen: &'a Screen,
     /// Whether voxels are drawn that are not certified.
     candidates: bool,
-    /// Centres of the voxels along each axis, from the eye.
-    centers: [Vec<f64>; 3],
+    /// The block's first voxel.
+    first: [u32; 3],
+    /// Centres of the block's voxels along each axis, from the eye.
+    centers: [[f64; BLOCK_SIDE]; 3],
     /// A voxel's half extents in picture axes.
     extent: DVec3,
     /// A voxel's half width, with the slack for rounding.
@@ -60,72 +49,75 @@ pub(super) struct Splatter<'a> {
 }
 
 impl<'a> Splatter<'a> {
-    /// A voxel's identity is its rank plus `first_id`.
+    /// A voxel's identity is `first_id` plus its place among those of the block.
     pub(super) fn new(
-        layer: &'a Layer<'a>,
+        view: BlockView<'a>,
         first_id: u32,
         screen: &'a Screen,
+        near: f64,
         candidates: bool,
     ) -> Self {
-        let lattice = layer.lattice;
+        let lattice = view.lattice;
         let size = lattice.voxel_size();
         let bounds = lattice.bounds();
         let reach = bounds.min.abs().max(bounds.max.abs()) + screen.eye.abs();
         let half = 0.5 * size + ROUNDING * (reach.max_element() + screen.radius);
-        Self {
-            layer,
-            first_id,
-            screen,
-            candidates,
-            centers: [0, 1, 2].map(|axis| centers(lattice, axis, screen.eye[axis])),
-            extent: screen.extent(DVec3::splat(half)),
-            half,
-            near: layer.near(),
-        }
-    }
-
-    /// Writes the voxels of a block that touch `tile`.
-    pub(super) fn cubes(&self, block: &Block, tile: &Tile, zbuffer: &mut ZBuffer) {
-        self.layer.storage.visit(block.part, &mut |voxel| {
-            if self.candidates || voxel.certified {
-                self.cube(voxel, tile, zbuffer);
-            }
+        let first = view.first();
+        let centers = [0, 1, 2].map(|axis| {
+            std::array::from_fn(|i| {
+                let at = |end: u32| lattice.corner(axis, first[axis] + i as u32 + end);
+                0.5 * (at(0) + at(1)) - screen.eye[axis]
+            })
         });
+        let extent = screen.extent(DVec3::splat(half));
+        Self { view, first_id, screen, candidates, first, centers, extent, half, near }
     }
 
-    /// Writes the voxels of a block as points: each into the one sample that its centre is in.
-    pub(super) fn points(&self, block: &Block, tile: &Tile, zbuffer: &mut ZBuffer) {
-        self.layer.storage.visit(block.part, &mut |voxel| {
-            if !self.candidates && !voxel.certified {
-                return;
-            }
+    /// Writes the voxels of the block that touch `tile`. Returns the rank of the block's first voxel.
+    pub(super) fn cubes(&self, tile: &Tile, zbuffer: &mut ZBuffer) -> u32 {
+        self.visit(&mut |voxel, id| self.cube(voxel, id, tile, zbuffer))
+    }
+
+    /// Writes the voxels of the block as points: each into the one sample that its centre is in.
+    /// Returns the rank of the block's first voxel.
+    pub(super) fn points(&self, tile: &Tile, zbuffer: &mut ZBuffer) -> u32 {
+        self.visit(&mut |voxel, id| {
             let Some((column, row, depth)) = self.screen.sample_of(self.center(voxel)) else {
                 return;
             };
             if depth >= self.near && tile.columns.contains(&column) && tile.rows.contains(&row) {
-                let key = Key::new(depth, self.first_id + voxel.rank);
-                zbuffer.met.offer(tile.sample(column, row), key);
+                zbuffer.met.offer(tile.sample(column, row), Key::new(depth, id));
             }
-        });
+        })
+    }
+
+    /// Calls `draw` for every voxel that is to be drawn, with its identity.
+    fn visit(&self, draw: &mut dyn FnMut(Voxel, u32)) -> u32 {
+        let BlockView { storage, part, .. } = self.view;
+        let mut first_rank = None;
+        if storage.voxel_count() > 0 {
+            storage.visit(part, &mut |voxel| {
+                let first_rank = *first_rank.get_or_insert(voxel.rank);
+                if self.candidates || voxel.certified {
+                    draw(voxel, self.first_id + (voxel.rank - first_rank));
+                }
+            });
+        }
+        first_rank.unwrap_or(0)
     }
 
     #[inline]
     fn center(&self, voxel: Voxel) -> DVec3 {
-        let [x, y, z] = voxel.ijk;
-        DVec3::new(
-            self.centers[0][x as usize],
-            self.centers[1][y as usize],
-            self.centers[2][z as usize],
-        )
+        let [x, y, z] = [0, 1, 2].map(|axis| (voxel.ijk[axis] - self.first[axis]) as usize);
+        DVec3::new(self.centers[0][x], self.centers[1][y], self.centers[2][z])
     }
 
     #[inline]
-    fn cube(&self, voxel: Voxel, tile: &Tile, zbuffer: &mut ZBuffer) {
+    fn cube(&self, voxel: Voxel, id: u32, tile: &Tile, zbuffer: &mut ZBuffer) {
         let center = self.center(voxel);
         let Some(footprint) = self.screen.footprint(center, self.extent, self.near) else {
             return;
         };
-        let id = self.first_id + voxel.rank;
         // No hit of this voxel is nearer than this. What a nearer met voxel hides could not win
         // as a covering one either, so it need not be written there.
         let nearest = Key::new(footprint.nearest, 0);
@@ -192,11 +184,6 @@ impl<'a> Splatter<'a> {
         // A line that only touches an edge may leave before it enters, by rounding.
         (leave >= self.near).then_some((enter.min(leave), leave))
     }
-}
-
-fn centers(lattice: &Lattice, axis: usize, eye: f64) -> Vec<f64> {
-    let center = |i| 0.5 * (lattice.corner(axis, i) + lattice.corner(axis, i + 1)) - eye;
-    (0..lattice.n_voxels()[axis]).map(center).collect()
 }
 
 /// Whether a line meets the cube of half width `half` around `to_center`, both relative to a point

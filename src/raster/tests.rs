@@ -30,7 +30,7 @@ fn view(projection: Projection, placement: Placement) -> View {
 }
 
 fn draw(layers: &[Layer<'_>], camera: &Camera, width: u32, height: u32) -> Frame {
-    render(layers, &[], camera, &image(width, height), SimdLevel::detect(), &Unwatched).unwrap()
+    render(layers, &[], camera, &image(width, height), SimdLevel::detect(), &Unwatched).unwrap().0
 }
 
 /// Whether the ray from depth `near` on meets a cube: slabs, straight from the book.
@@ -102,7 +102,7 @@ proptest! {
     ) {
         let placement = Placement::Fit { direction, margin: 0.05 };
         let view = view(Projection::Perspective { fov_degrees }, placement);
-        check_coverage(&mock, &Camera::new(&view, 1.5, &mock.layer(WHITE)), 48, 32);
+        check_coverage(&mock, &Camera::new(&view, 1.5, &mock), 48, 32);
     }
 
     #[test]
@@ -111,14 +111,14 @@ proptest! {
     ) {
         let placement = Placement::LookAt { eye, target: eye + look };
         let view = view(Projection::Perspective { fov_degrees }, placement);
-        check_coverage(&mock, &Camera::new(&view, 1.0, &mock.layer(WHITE)), 33, 33);
+        check_coverage(&mock, &Camera::new(&view, 1.0, &mock), 33, 33);
     }
 
     #[test]
     fn parallel_coverage_is_exact(mock in clouds(), direction in directions(), margin in 0.0..0.3) {
         let placement = Placement::Fit { direction, margin };
         let view = view(Projection::Orthographic { height: None }, placement);
-        check_coverage(&mock, &Camera::new(&view, 0.8, &mock.layer(WHITE)), 32, 40);
+        check_coverage(&mock, &Camera::new(&view, 0.8, &mock), 32, 40);
     }
 
     /// The layers agree with each other: the position is on the pixel's ray, at its depth.
@@ -126,7 +126,7 @@ proptest! {
     fn layers_agree(mock in clouds(), direction in directions()) {
         let placement = Placement::Fit { direction, margin: 0.0 };
         let view = view(Projection::Perspective { fov_degrees: 40.0 }, placement);
-        let camera = Camera::new(&view, 1.0, &mock.layer(WHITE));
+        let camera = Camera::new(&view, 1.0, &mock);
         let frame = draw(&[mock.layer(WHITE)], &camera, 40, 40);
         for (i, &depth) in frame.depth.iter().enumerate() {
             let (n, p) = (frame.normal[i].map(f64::from), frame.position[i].map(f64::from));
@@ -153,7 +153,7 @@ fn rays_along_faces_find_no_crack() {
     let placement = Placement::Fit { direction: DVec3::Z, margin: 0.0 };
     for n in [7, 8, 9, 16, 17] {
         let view = view(Projection::Orthographic { height: None }, placement);
-        let frame = draw(&[mock.layer(WHITE)], &Camera::new(&view, 1.0, &mock.layer(WHITE)), n, n);
+        let frame = draw(&[mock.layer(WHITE)], &Camera::new(&view, 1.0, &mock), n, n);
         assert!(frame.depth.iter().all(|&d| d != Frame::FAR), "{n}");
     }
 }
@@ -164,7 +164,7 @@ fn a_camera_inside_a_voxel_sees_it_everywhere() {
     let mock = Mock::new(lattice, [([2; 3], DVec3::X)]);
     let placement = Placement::LookAt { eye: DVec3::splat(0.01), target: DVec3::ONE };
     let view = view(Projection::Perspective { fov_degrees: 170.0 }, placement);
-    let frame = draw(&[mock.layer(WHITE)], &Camera::new(&view, 1.0, &mock.layer(WHITE)), 30, 30);
+    let frame = draw(&[mock.layer(WHITE)], &Camera::new(&view, 1.0, &mock), 30, 30);
     assert!(frame.depth.iter().all(|&d| d != Frame::FAR));
 }
 
@@ -173,7 +173,7 @@ fn threads_and_order_do_not_matter() {
     let (mut a, b) = (Mock::sphere(48, 0.9), Mock::sphere(40, 0.88));
     let placement = Placement::Fit { direction: DVec3::new(1.0, -2.0, 0.7), margin: 0.02 };
     let view = view(Projection::Perspective { fov_degrees: 30.0 }, placement);
-    let camera = Camera::new(&view, 1.25, [a.layer(WHITE), b.layer(WHITE)].as_slice());
+    let camera = Camera::new(&view, 1.25, &a);
     let mut digests = Vec::new();
     for n_threads in [1, 2, 7] {
         for _ in 0..2 {
@@ -201,7 +201,7 @@ fn flat_sheets_are_smooth() {
                 Projection::Perspective { fov_degrees: 20.0 },
                 Placement::Fit { direction, margin: 0.0 },
             );
-            let camera = Camera::new(&view, 1.0, &mock.layer(WHITE));
+            let camera = Camera::new(&view, 1.0, &mock);
             let frame = draw(&[mock.layer(WHITE)], &camera, 150, 150);
             let limit = (1.0 + 1e-6) * mock.lattice.voxel_size() * n.abs().element_sum();
             for p in frame.position.iter().filter(|p| **p != [0.0; 3]) {
@@ -231,7 +231,7 @@ fn a_sphere_is_clean() {
     for direction in [DVec3::new(1.0, -2.0, 1.2), DVec3::X, DVec3::new(1.0, 1.0, 0.0)] {
         let placement = Placement::Fit { direction, margin: 0.03 };
         let view = view(Projection::Perspective { fov_degrees: 30.0 }, placement);
-        let camera = Camera::new(&view, 1.0, &mock.layer(WHITE));
+        let camera = Camera::new(&view, 1.0, &mock);
         let screen = Screen::new(&camera, 300, 300, 1);
         let frame = draw(&[mock.layer(WHITE)], &camera, 300, 300);
         for pixel in 0..frame.depth.len() {
@@ -255,7 +255,7 @@ fn a_rim_before_another_surface_has_no_holes() {
     let placement = Placement::LookAt { eye: DVec3::new(3.0, 0.3, 0.2), target: DVec3::ZERO };
     let view = view(Projection::Perspective { fov_degrees: 25.0 }, placement);
     let layers = [wall.layer([0.0, 0.0, 1.0]), ball.layer([1.0, 0.0, 0.0])];
-    let camera = Camera::new(&view, 1.0, layers.as_slice());
+    let camera = Camera::new(&view, 1.0, &wall);
     let screen = Screen::new(&camera, 250, 250, 1);
     let frame = draw(&layers, &camera, 250, 250);
     for pixel in 0..frame.depth.len() {
@@ -277,7 +277,7 @@ fn a_nearer_surface_hides_a_farther_one() {
         if swap {
             layers.swap(0, 1);
         }
-        let camera = Camera::new(&view, 1.0, layers.as_slice());
+        let camera = Camera::new(&view, 1.0, &far);
         let frame = draw(&layers, &camera, 64, 64);
         let middle = frame.rgba[32 * 64 + 32];
         assert!(middle[2] > middle[0], "the larger sphere is around the smaller one");
@@ -289,11 +289,11 @@ fn background_and_emptiness() {
     let empty = Mock::new(Lattice::new(Aabb { min: DVec3::ZERO, max: DVec3::ONE }, 4), []);
     let placement = Placement::LookAt { eye: DVec3::X, target: DVec3::ZERO };
     let view = view(Projection::Perspective { fov_degrees: 40.0 }, placement);
-    let camera = Camera::new(&view, 1.0, &empty.layer(WHITE));
+    let camera = Camera::new(&view, 1.0, &empty);
     let settings = ImageSettings { background: Some([0.1, 0.2, 0.3]), ..image(4, 4) };
-    let frame =
-        render(&[empty.layer(WHITE)], &[], &camera, &settings, SimdLevel::detect(), &Unwatched)
-            .unwrap();
+    let layers = [empty.layer(WHITE)];
+    let drawn = render(&layers, &[], &camera, &settings, SimdLevel::detect(), &Unwatched);
+    let (frame, _) = drawn.unwrap();
     assert_eq!(frame, Frame::filled(4, 4, [0.1, 0.2, 0.3, 1.0]));
 }
 
@@ -311,7 +311,7 @@ fn cancelling_ends_the_run() {
     let mock = Mock::sphere(16, 0.5);
     let placement = Placement::Fit { direction: DVec3::X, margin: 0.0 };
     let view = view(Projection::Perspective { fov_degrees: 40.0 }, placement);
-    let camera = Camera::new(&view, 1.0, &mock.layer(WHITE));
+    let camera = Camera::new(&view, 1.0, &mock);
     let outcome =
         render(&[mock.layer(WHITE)], &[], &camera, &image(8, 8), SimdLevel::detect(), &Cancelled);
     assert!(matches!(outcome, Err(Error::Interrupted)));

@@ -101,6 +101,7 @@ impl<'a> Triangles<'a> {
                             depth,
                             normal: normal(model, placed.triangle, weights),
                             certified: true,
+                            voxel_size: 0.0,
                             tint: tint(model, placed.triangle, weights),
                         });
                     }

@@ -21,6 +21,8 @@ pub(super) struct Cells {
     pub(super) origin: DVec3,
     /// Edge of a cell.
     pub(super) size: f64,
+    /// The last corner, from the eye; cells beyond do not count.
+    end: DVec3,
     /// Bit x of row y + 32 z.
     rows: Vec<u32>,
     /// Cubes of 4³ cells that hold any: bit x of row y + 8 z.
@@ -33,9 +35,13 @@ const BRICK: usize = 4;
 const BRICKS: usize = BLOCK_SIDE / BRICK;
 
 impl Cells {
-    pub(super) fn new(origin: DVec3, size: f64) -> Self {
+    /// No cells yet, of a block that ends at `end` at the latest.
+    pub(super) fn new(origin: DVec3, size: f64, end: DVec3) -> Self {
         let rows = vec![0; BLOCK_SIDE * BLOCK_SIDE];
-        Self { origin, size, rows, bricks: [0; BRICKS * BRICKS] }
+        // By rounding, the planes of a lattice may lie a little beyond its last one.
+        let end = end + DVec3::splat(OVERLAP * size);
+        let end = end.min(origin + DVec3::splat(BLOCK_SIDE as f64 * size));
+        Self { origin, size, end, rows, bricks: [0; BRICKS * BRICKS] }
     }
 
     /// A box that holds all of them and the ends of rays in them, from the eye.
@@ -91,22 +97,25 @@ pub(super) struct Walk {
     next: [f64; 3],
     /// The depth that a cell takes, by axis.
     per_cell: [f64; 3],
+    /// The depth at which it leaves the block.
+    leave: f64,
     overlap: f64,
 }
 
 impl Walk {
     /// A ray that enters the block, at depth `near` at least; `None` if it passes by.
     pub(super) fn new(cells: &Cells, ray: &Ray, near: f64) -> Option<Self> {
-        let side = BLOCK_SIDE as f64 * cells.size;
         let (mut enter, mut leave) = (near, f64::INFINITY);
         for axis in 0..3 {
-            let (to_first, d) = (cells.origin[axis] - ray.origin[axis], ray.direction[axis]);
+            let to_first = cells.origin[axis] - ray.origin[axis];
+            let to_last = cells.end[axis] - ray.origin[axis];
+            let d = ray.direction[axis];
             if d == 0.0 {
-                if to_first > 0.0 || to_first + side < 0.0 {
+                if to_first > 0.0 || to_last < 0.0 {
                     return None;
                 }
             } else {
-                let (a, b) = (to_first / d, (to_first + side) / d);
+                let (a, b) = (to_first / d, to_last / d);
                 let (first, last) = if a < b { (a, b) } else { (b, a) };
                 enter = if first > enter { first } else { enter };
                 leave = if last < leave { last } else { leave };
@@ -121,6 +130,7 @@ impl Walk {
             step: [0; 3],
             next: [f64::INFINITY; 3],
             per_cell: [f64::INFINITY; 3],
+            leave,
             overlap: 0.0,
         };
         let entry = ray.at(enter) - cells.origin;
@@ -145,7 +155,8 @@ impl Walk {
     /// Goes on to the next cell that may hold the surface, and returns where the ray is in it.
     pub(super) fn next_cell(&mut self, cells: &Cells) -> Option<Span> {
         loop {
-            if self.cell.iter().any(|&i| i < 0 || i >= BLOCK_SIDE as i32) {
+            let is_beyond = self.cell.iter().any(|&i| i < 0 || i >= BLOCK_SIDE as i32);
+            if is_beyond || self.depth > self.leave {
                 return None;
             }
             let holds = cells.holds(self.cell);
@@ -157,7 +168,8 @@ impl Walk {
             } else {
                 2
             };
-            let (from, to) = (self.depth, self.next[axis]);
+            let from = self.depth;
+            let to = if self.next[axis] < self.leave { self.next[axis] } else { self.leave };
             self.cell[axis] += self.step[axis];
             self.next[axis] += self.per_cell[axis];
             self.depth = if to > from { to } else { from };
@@ -193,7 +205,7 @@ mod tests {
             }
             prop_assume!(direction.length() > 0.1);
             let ray = Ray { origin: DVec3::from_array(origin), direction };
-            let mut cells = Cells::new(DVec3::ZERO, 1.0 / 32.0);
+            let mut cells = Cells::new(DVec3::ZERO, 1.0 / 32.0, DVec3::ONE);
             for i in 0..32_u32.pow(3) {
                 cells.insert([i % 32, i / 32 % 32, i / 1024]);
             }

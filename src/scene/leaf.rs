@@ -41,6 +41,14 @@ impl Color {
     }
 }
 
+/// How many voxels there are along an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Detail {
+    /// As many as the picture needs.
+    Auto,
+    Voxels(i64),
+}
+
 /// What is behind the surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Background {
@@ -236,6 +244,41 @@ impl Visitor<'_> for TargetVisitor {
 
     fn visit_str<E: Error>(self, text: &str) -> Result<Target, E> {
         Ok(Target::File(text.to_owned()))
+    }
+}
+
+impl<'de> Deserialize<'de> for Detail {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(DetailVisitor)
+    }
+}
+
+struct DetailVisitor;
+
+impl Visitor<'_> for DetailVisitor {
+    type Value = Detail;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a whole number or \"auto\"")
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Detail, E> {
+        WholeVisitor.visit_i64(value).map(|Whole(n)| Detail::Voxels(n))
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Detail, E> {
+        WholeVisitor.visit_u64(value).map(|Whole(n)| Detail::Voxels(n))
+    }
+
+    fn visit_i128<E: Error>(self, value: i128) -> Result<Detail, E> {
+        WholeVisitor.visit_i128(value).map(|Whole(n)| Detail::Voxels(n))
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<Detail, E> {
+        if text == "auto" {
+            return Ok(Detail::Auto);
+        }
+        Err(E::invalid_value(serde::de::Unexpected::Str(text), &self))
     }
 }
 

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::json;
 
-use super::leaf::{Background, Color, Number, Numbers, Table, Target, Whole};
+use super::leaf::{Background, Color, Detail, Number, Numbers, Table, Target, Whole};
 
 /// `JsonSchema` for types whose schema is written out wherever they occur.
 macro_rules! schemas {
@@ -29,6 +29,7 @@ macro_rules! schemas {
 schemas! {
     Number: json_schema!({ "type": "number" });
     Whole: json_schema!({ "type": "integer" });
+    Detail: json_schema!({ "anyOf": [{ "type": "integer" }, { "const": "auto" }] });
     Target: json_schema!({ "type": ["boolean", "string"] });
     Color: json_schema!({ "anyOf": [hex(), components()] });
     Background: json_schema!({ "anyOf": [{ "const": "transparent" }, hex(), components()] });

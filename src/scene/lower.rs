@@ -15,7 +15,7 @@ use super::{
     Outputs, Scene,
     color::linear_from_srgb,
     formula::Formula,
-    leaf::{Background, Color, Number, Numbers, Target, Whole},
+    leaf::{Background, Color, Detail, Number, Numbers, Target, Whole},
     spanned::Spanned,
     spec::{
         DomainSpec, ImageSpec, LightSpec, OutputSpec, SceneSpec, ScheduleSpec, Section, ShadeSpec,
@@ -40,7 +40,7 @@ const MAX_IMAGE_SIZE: i64 = 16_384;
 /// Coordinates beyond this leave no room for powers of them in the range of `f32`.
 const MAX_COORDINATE: f64 = 1e12;
 
-const DEFAULT_RESOLUTION: i64 = 512;
+const DEFAULT_RESOLUTION: u32 = 512;
 /// Samples along an edge of a pixel.
 const DEFAULT_SAMPLES: u32 = 2;
 
@@ -99,6 +99,8 @@ impl<'a> Lower<'a> {
             models: self.models(&spec.models, spec.surfaces.len()),
             domain: self.domain(&spec.domain),
             resolution: self.resolution(&spec.voxels.spec),
+            is_auto: is_auto(&spec.voxels.spec),
+            visible_only: self.visible_only(&spec.voxels.spec),
             certify: spec.voxels.spec.certify.unwrap_or(true),
             storage: storage(&spec.voxels.spec),
             schedule: schedule(&spec.voxels.spec),
@@ -162,8 +164,30 @@ impl<'a> Lower<'a> {
     }
 
     fn resolution(&mut self, spec: &VoxelsSpec) -> u32 {
-        let range = 1..=i64::from(MAX_RESOLUTION);
-        self.whole("resolution", spec.resolution.as_ref(), range, DEFAULT_RESOLUTION)
+        let Some(resolution) = &spec.resolution else { return DEFAULT_RESOLUTION };
+        let Detail::Voxels(n) = *resolution.get_ref() else { return DEFAULT_RESOLUTION };
+        if !(1..=i64::from(MAX_RESOLUTION)).contains(&n) {
+            let allowed = format!("from 1 to {MAX_RESOLUTION}, or \"auto\"");
+            self.out_of_range(resolution.span(), "resolution", allowed);
+        }
+        n.clamp(1, i64::from(MAX_RESOLUTION)) as u32
+    }
+
+    /// Whether only visible voxels are found, if the file says so, or must be.
+    fn visible_only(&mut self, spec: &VoxelsSpec) -> Option<bool> {
+        let visible_only = spec.visible_only.as_ref().map(|is| *is.get_ref());
+        let is_auto = is_auto(spec);
+        if let Some(key) = &spec.visible_only
+            && is_auto
+            && visible_only == Some(false)
+        {
+            self.errors.push(
+                Diagnostic::new(key.span(), "`visible_only` contradicts resolution = \"auto\"")
+                    .label("only what is visible can be made as fine as pixels")
+                    .help("remove it, or write a number for `resolution`"),
+            );
+        }
+        visible_only.or(is_auto.then_some(true))
     }
 
     fn image(&mut self, spec: &ImageSpec, lights: &[Section<LightSpec>]) -> ImageSettings {
@@ -298,6 +322,11 @@ impl<'a> Lower<'a> {
         }
         vector
     }
+}
+
+/// Whether voxels are to be as small as pixels.
+fn is_auto(spec: &VoxelsSpec) -> bool {
+    spec.resolution.as_ref().is_some_and(|resolution| *resolution.get_ref() == Detail::Auto)
 }
 
 fn storage(spec: &VoxelsSpec) -> StorageKind {

@@ -51,6 +51,10 @@ pub struct Scene {
     pub domain: Option<Aabb>,
     /// Voxels along the domain's longest axis.
     pub resolution: u32,
+    /// Whether voxels are made as small as pixels instead, where the picture shows them.
+    pub is_auto: bool,
+    /// Whether only voxels are found that the picture shows; the run decides where it is `None`.
+    pub visible_only: Option<bool>,
     /// Whether voxels are certified, by gradients and values at corners.
     pub certify: bool,
     /// What holds the voxels.

@@ -10,7 +10,7 @@ use serde::Deserialize;
 
 use super::{
     definitions::Named,
-    leaf::{Background, Color, Number, Numbers, Table, Target, Whole},
+    leaf::{Background, Color, Detail, Number, Numbers, Table, Target, Whole},
     spanned::Spanned,
 };
 
@@ -186,9 +186,12 @@ pub(super) struct DomainSpec {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct VoxelsSpec {
-    /// Voxels along the longest axis of the domain; 512 by default.
-    #[schemars(range(min = 1, max = 16384))]
-    pub(super) resolution: Option<Spanned<Whole>>,
+    /// Voxels along the longest axis of the domain, up to 16384; 512 by default. "auto": as small
+    /// as pixels, wherever the camera is.
+    pub(super) resolution: Option<Spanned<Detail>>,
+    /// Whether only voxels are found that the picture shows; true by default, unless statistics of
+    /// all are asked for. The picture does not depend on it.
+    pub(super) visible_only: Option<Spanned<bool>>,
     /// Whether gradients are used to drop voxels that the surface does not meet, and to certify
     /// the others; true by default. Without, only values are looked at, as in the paper.
     pub(super) certify: Option<bool>,

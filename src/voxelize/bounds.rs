@@ -92,9 +92,10 @@ impl SimdTask for Task {
 
 /// The box of the voxels in `bounds` that the surface may meet.
 fn survivors<S: Simd>(simd: S, tape: &Arc<Tape>, bounds: Aabb, resolution: u32) -> Option<Aabb> {
-    let lattice = Lattice::new(bounds, resolution);
-    let corners = Corners::<f64>::new(&lattice);
-    let mut search = Search::<S, f64x8<S>, { BATCH / 8 }>::new(simd, &lattice, &corners, false);
+    let lattice = Arc::new(Lattice::new(bounds, resolution));
+    let corners = Arc::new(Corners::new(&lattice));
+    let search = Search::<S, f64x8<S>, { BATCH / 8 }>::new;
+    let mut search = search(simd, lattice.clone(), corners, false);
     let voxels = search.descend(Run::root(tape.clone()), lattice.depth());
     let mut found: Option<([u32; 3], [u32; 3])> = None;
     for ijk in voxels.iter().flat_map(Run::places) {

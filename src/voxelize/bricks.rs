@@ -47,7 +47,7 @@ struct OpenVoxel {
     m: u32,
 }
 
-impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<'_, S, L, G> {
+impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
     /// Finds the voxels of the bricks of a run.
     pub(super) fn search_bricks(&mut self, run: &Run) {
         let tape = &*run.tape;
@@ -302,7 +302,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<'_, S, L, G> {
                 }
             }
         }
-        let findings = look_at_points(&mut self.values, self.lattice, tape, &known);
+        let findings = look_at_points(&mut self.values, &self.lattice, tape, &known);
         for (voxel, finding) in left.iter().zip(findings) {
             bricks[voxel.brick].conclude(voxel.m, finding);
         }

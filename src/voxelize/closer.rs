@@ -8,6 +8,8 @@
 //! Voxels in which F is monotone are looked at in f64, whole first: of them only a corner's sign was
 //! too close to tell.
 
+use std::sync::Arc;
+
 use fearless_simd::{Simd, f64x8};
 
 use super::node::Finding;
@@ -55,8 +57,8 @@ impl Part {
 }
 
 /// One thread's means for looking closer, with vectors of type L.
-pub(super) struct CloserLook<'a, L: Lanes, const G: usize> {
-    lattice: &'a Lattice,
+pub(super) struct CloserLook<L: Lanes, const G: usize> {
+    lattice: Arc<Lattice>,
     values: BoxEvaluator<L, G>,
     slopes: SlopeEvaluator<L, G>,
     outer: Boxes<L::Scalar>,
@@ -64,10 +66,10 @@ pub(super) struct CloserLook<'a, L: Lanes, const G: usize> {
 }
 
 /// In f64, whatever the rest of the search uses.
-pub(super) type ExactLook<'a, S> = CloserLook<'a, f64x8<S>, { BATCH / 8 }>;
+pub(super) type ExactLook<S> = CloserLook<f64x8<S>, { BATCH / 8 }>;
 
-impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> CloserLook<'a, L, G> {
-    pub(super) fn new(simd: S, lattice: &'a Lattice) -> Self {
+impl<S: Simd, L: Lanes<Token = S>, const G: usize> CloserLook<L, G> {
+    pub(super) fn new(simd: S, lattice: Arc<Lattice>) -> Self {
         Self {
             lattice,
             values: BoxEvaluator::new(simd),
@@ -75,6 +77,11 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> CloserLook<'a, L, G> {
             outer: Boxes::default(),
             inner: Boxes::default(),
         }
+    }
+
+    /// Goes on to another lattice.
+    pub(super) fn enter(&mut self, lattice: Arc<Lattice>) {
+        self.lattice = lattice;
     }
 
     /// What is found in each of `voxels`, which have no trend. Adds the gradients that it takes to
@@ -85,7 +92,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> CloserLook<'a, L, G> {
         voxels: &[[u32; 3]],
         n_gradients: &mut u64,
     ) -> Vec<Finding> {
-        let whole = |(voxel, &ijk)| Part::whole(voxel, ijk, self.lattice);
+        let whole = |(voxel, &ijk)| Part::whole(voxel, ijk, &self.lattice);
         let parts = voxels.iter().enumerate().flat_map(|voxel| whole(voxel).halves()).collect();
         self.look(tape, voxels.len(), parts, n_gradients)
     }
@@ -97,7 +104,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> CloserLook<'a, L, G> {
         voxels: &[[u32; 3]],
         n_gradients: &mut u64,
     ) -> Vec<Finding> {
-        let whole = |(voxel, &ijk)| Part::whole(voxel, ijk, self.lattice);
+        let whole = |(voxel, &ijk)| Part::whole(voxel, ijk, &self.lattice);
         let parts = voxels.iter().enumerate().map(whole).collect();
         self.look(tape, voxels.len(), parts, n_gradients)
     }

@@ -19,6 +19,7 @@ mod closer_points;
 mod corners;
 mod node;
 mod normals;
+mod on_demand;
 mod sampling;
 mod schedule;
 mod search;
@@ -31,6 +32,7 @@ use fearless_simd::{Simd, f32x16, f64x8};
 use fixedbitset::FixedBitSet;
 
 pub use bounds::{Extent, find_extent};
+pub use on_demand::{BLOCK_LEVELS, BlockVoxels, FindVoxels, Octant, Wish, find_blocks, finder};
 pub use sampling::{FieldRange, sample_field};
 pub use schedule::Schedule;
 pub use search::Effort;
@@ -175,9 +177,9 @@ fn frontier_level(depth: u32) -> u32 {
 impl Task<'_> {
     fn search<S: Simd, L: Lanes<Token = S>, const G: usize>(self, simd: S) -> Result<Voxelization> {
         let Self { tape, lattice, precision, settings, progress } = self;
-        let corners = Corners::<L::Scalar>::new(lattice);
+        let (corners, shared) = (Arc::new(Corners::new(lattice)), Arc::new(lattice.clone()));
         let certify = settings.certify;
-        let new_search = || Search::<S, L, G>::new(simd, lattice, &corners, certify);
+        let new_search = || Search::<S, L, G>::new(simd, shared.clone(), corners.clone(), certify);
         let root = Run::root(Arc::new(tape));
         let frontier = frontier_level(lattice.depth());
         let watch = Watch::new(progress, settings.max_voxels);

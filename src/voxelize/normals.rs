@@ -1,5 +1,7 @@
 //! Normals of voxels: the analytic gradient at the centre, or what the neighbours say.
 
+use std::sync::Arc;
+
 use fearless_simd::{Simd, f64x8};
 use glam::DVec3;
 
@@ -11,18 +13,23 @@ use crate::{
 };
 
 /// Finds the normals of one thread's voxels and collects them in order.
-pub(super) struct NormalFinder<'a, S: Simd> {
+pub(super) struct NormalFinder<S: Simd> {
     simd: S,
-    lattice: &'a Lattice,
+    lattice: Arc<Lattice>,
     evaluator: GradientEvaluator<S>,
     normals: Vec<OctNormal>,
     missing: Vec<u32>,
 }
 
-impl<'a, S: Simd> NormalFinder<'a, S> {
-    pub(super) fn new(simd: S, lattice: &'a Lattice) -> Self {
+impl<S: Simd> NormalFinder<S> {
+    pub(super) fn new(simd: S, lattice: Arc<Lattice>) -> Self {
         let evaluator = GradientEvaluator::new(simd);
         Self { simd, lattice, evaluator, normals: Vec::new(), missing: Vec::new() }
+    }
+
+    /// Goes on to another lattice.
+    pub(super) fn enter(&mut self, lattice: Arc<Lattice>) {
+        self.lattice = lattice;
     }
 
     /// Adds the normals of `voxels`.

@@ -82,8 +82,8 @@ impl<'a> Watch<'a> {
 }
 
 /// Searches the trunk with one thread and the subtrees with all threads of the current pool.
-pub(super) fn stealing<'a, S: Simd, L: Lanes<Token = S>, const G: usize>(
-    new_search: impl Fn() -> Search<'a, S, L, G> + Send + Sync,
+pub(super) fn stealing<S: Simd, L: Lanes<Token = S>, const G: usize>(
+    new_search: impl Fn() -> Search<S, L, G> + Send + Sync,
     root: Run,
     frontier: u32,
     watch: &Watch<'_>,
@@ -188,8 +188,8 @@ struct Findings {
 }
 
 /// Searches with a master, the calling thread, and `n_slaves` other threads.
-pub(super) fn master_slave<'a, S: Simd, L: Lanes<Token = S>, const G: usize>(
-    new_search: impl Fn() -> Search<'a, S, L, G> + Send + Sync,
+pub(super) fn master_slave<S: Simd, L: Lanes<Token = S>, const G: usize>(
+    new_search: impl Fn() -> Search<S, L, G> + Send + Sync,
     root: Run,
     frontier: u32,
     n_slaves: usize,
@@ -250,7 +250,7 @@ fn direct(root: Octant, desks: &[Desk], slaves: &[&Thread], stop: &AtomicBool) {
 
 /// A slave: works on one octant after the other until it is stopped.
 fn slave<S: Simd, L: Lanes<Token = S>, const G: usize>(
-    mut search: Search<'_, S, L, G>,
+    mut search: Search<S, L, G>,
     desk: &Desk,
     frontier: u32,
     master: &Thread,

@@ -89,12 +89,21 @@ impl Effort {
         Self { boxes: vec![0; depth as usize], ..Self::default() }
     }
 
-    /// Adds another one's counts.
-    pub(super) fn add(&mut self, other: &Self) {
-        self.boxes.iter_mut().zip(&other.boxes).for_each(|(sum, n)| *sum += n);
+    /// Adds the counts of a search whose root is on `level`.
+    pub fn add_below(&mut self, level: u32, other: &Self) {
+        let first = level as usize;
+        if self.boxes.len() < first + other.boxes.len() {
+            self.boxes.resize(first + other.boxes.len(), 0);
+        }
+        self.boxes[first..].iter_mut().zip(&other.boxes).for_each(|(sum, n)| *sum += n);
         self.gradients += other.gradients;
         self.corners += other.corners;
         self.closer_looks += other.closer_looks;
+    }
+
+    /// Adds another one's counts.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.add_below(0, other);
     }
 }
 
@@ -116,9 +125,10 @@ struct Group {
 }
 
 /// The state of one thread's search.
-pub(super) struct Search<'a, S: Simd, L: Lanes<Token = S>, const G: usize> {
-    pub(super) lattice: &'a Lattice,
-    pub(super) corners: &'a Corners<L::Scalar>,
+pub(super) struct Search<S: Simd, L: Lanes<Token = S>, const G: usize> {
+    simd: S,
+    pub(super) lattice: Arc<Lattice>,
+    pub(super) corners: Arc<Corners<L::Scalar>>,
     certify: bool,
     pub(super) depth: u32,
     pub(super) values: BoxEvaluator<L, G>,
@@ -127,43 +137,53 @@ pub(super) struct Search<'a, S: Simd, L: Lanes<Token = S>, const G: usize> {
     pub(super) boxes: Boxes<L::Scalar>,
     pub(super) inner_boxes: Boxes<L::Scalar>,
     pub(super) signs: CornerSigns<L::Scalar>,
-    pub(super) closer: CloserLook<'a, L, G>,
-    pub(super) exact: ExactLook<'a, S>,
-    pub(super) normal_finder: NormalFinder<'a, S>,
+    pub(super) closer: CloserLook<L, G>,
+    pub(super) exact: ExactLook<S>,
+    pub(super) normal_finder: NormalFinder<S>,
     tapes: ShortenedTapes,
     pub(super) masks: Vec<LevelMasks>,
     pub(super) candidates: Vec<u32>,
     pub(super) effort: Effort,
 }
 
-impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
+impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
     /// Where `certify` is false, only values are looked at.
     pub(super) fn new(
         simd: S,
-        lattice: &'a Lattice,
-        corners: &'a Corners<L::Scalar>,
+        lattice: Arc<Lattice>,
+        corners: Arc<Corners<L::Scalar>>,
         certify: bool,
     ) -> Self {
         let depth = lattice.depth();
         Self {
-            lattice,
+            simd,
             corners,
             certify,
             depth,
             values: BoxEvaluator::new(simd),
             slopes: SlopeEvaluator::new(simd),
-            affine: AffineBounds::new(simd, lattice),
+            affine: AffineBounds::new(simd, &lattice),
             boxes: Boxes::default(),
             inner_boxes: Boxes::default(),
             signs: CornerSigns::new(),
-            closer: CloserLook::new(simd, lattice),
-            exact: CloserLook::new(simd, lattice),
-            normal_finder: NormalFinder::new(simd, lattice),
+            closer: CloserLook::new(simd, lattice.clone()),
+            exact: CloserLook::new(simd, lattice.clone()),
+            normal_finder: NormalFinder::new(simd, lattice.clone()),
+            lattice,
             tapes: ShortenedTapes::default(),
             masks: vec![LevelMasks::default(); depth as usize],
             candidates: Vec::new(),
             effort: Effort::new(depth),
         }
+    }
+
+    /// Goes on to another lattice of as many levels.
+    pub(super) fn enter(&mut self, lattice: Arc<Lattice>, corners: Arc<Corners<L::Scalar>>) {
+        self.affine = AffineBounds::new(self.simd, &lattice);
+        self.closer.enter(lattice.clone());
+        self.exact.enter(lattice.clone());
+        self.normal_finder.enter(lattice.clone());
+        (self.lattice, self.corners) = (lattice, corners);
     }
 
     /// The masks of all levels searched since the last call.
@@ -213,7 +233,7 @@ impl<'a, S: Simd, L: Lanes<Token = S>, const G: usize> Search<'a, S, L, G> {
         }
         for run in run.into_single_nodes() {
             for ijk in run.places() {
-                self.signs.enter(ijk.map(|i| i << (self.depth - level)), self.corners);
+                self.signs.enter(ijk.map(|i| i << (self.depth - level)), &self.corners);
             }
             self.search_block(run, level);
         }
