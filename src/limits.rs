@@ -16,7 +16,7 @@ const BYTES_PER_VOXEL: u64 = 11;
 /// Bytes a voxel takes at most in another storage, besides the octree that it is made from.
 const BYTES_PER_OTHER_VOXEL: u64 = 40;
 /// Bytes a pixel takes: the layers of a frame, two z-buffers, and the rows being encoded.
-const BYTES_PER_PIXEL: u64 = 96;
+const BYTES_PER_PIXEL: u64 = 120;
 
 /// How much memory a run may take.
 #[derive(Clone, Copy, Debug)]
@@ -166,6 +166,7 @@ mod tests {
             shade: Shade::Voxel,
             samples: 1,
             candidates: true,
+            curvature: false,
         }
     }
 

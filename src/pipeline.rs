@@ -8,7 +8,7 @@ use crate::{
     limits::{self, Memory},
     math::{Lattice, SimdLevel},
     octree::{Storage, StorageKind},
-    output::{self, exr, png},
+    output::{self, exr, ply, png},
     progress::{Progress, Unwatched},
     raster::{self, Camera, Drawn, Frame, Layer, Model, Shade, Source},
     scene::{Scene, Surface},
@@ -52,6 +52,8 @@ pub struct Picture {
     pub frame: Frame,
     /// Where it was taken from.
     pub camera: Camera,
+    /// Where voxels lie.
+    pub lattice: Lattice,
     /// The voxels of each surface of the scene, if all were found.
     pub storages: Vec<Box<dyn Storage>>,
     /// Numbers.
@@ -67,9 +69,10 @@ pub struct Picture {
 /// [`Error::Interrupted`] if `progress` asks to stop, [`Error::Io`] and [`Error::Encode`] if a file
 /// cannot be written. No file is left half written.
 pub fn run(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Report> {
-    let Picture { frame, mut statistics, notes, .. } = render(scene, options, progress)?;
+    let picture = render(scene, options, progress)?;
     let start = Instant::now();
-    let written = write(scene, options, &frame, progress)?;
+    let written = write(scene, options, &picture, progress)?;
+    let Picture { mut statistics, notes, .. } = picture;
     statistics.time_s.write = start.elapsed().as_secs_f64();
     statistics.peak_memory_bytes = limits::peak_memory_bytes();
     Ok(Report { statistics, written, notes })
@@ -177,7 +180,7 @@ fn render_with_all_threads(
         peak_memory_bytes: limits::peak_memory_bytes(),
     };
     let storages = whole.storages;
-    Ok(Picture { frame, camera, storages, statistics, notes })
+    Ok(Picture { frame, camera, lattice, storages, statistics, notes })
 }
 
 /// All voxels of all surfaces.
@@ -236,7 +239,8 @@ fn coarse_voxels(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Result<Co
 fn is_visible_only(scene: &Scene, options: &Options, lattice: &Lattice) -> bool {
     // The paper's storages and schedule hold and find all, and so do values alone. The normals of
     // voxels without a gradient, and of slabs, are those of their neighbours, which may be anywhere.
-    let needs_all = scene.storage != StorageKind::Morton
+    let needs_all = scene.outputs.ply.is_some()
+        || scene.storage != StorageKind::Morton
         || scene.schedule != Schedule::Stealing
         || !scene.certify
         || scene.image.shade != Shade::Refine
@@ -320,9 +324,10 @@ fn notes_on(
 fn write(
     scene: &Scene,
     options: &Options,
-    frame: &Frame,
+    picture: &Picture,
     progress: &dyn Progress,
 ) -> Result<Vec<PathBuf>> {
+    let Picture { frame, lattice, storages, .. } = picture;
     let mut written = Vec::new();
     let mut write_one =
         |name: &PathBuf, write: &dyn Fn(&mut output::FileWriter) -> output::Written| {
@@ -339,8 +344,19 @@ fn write(
         write_one(name, &|out| png::write(frame, &options, out))?;
     }
     if let Some(name) = &scene.outputs.exr {
-        let options = exr::ExrOptions { scene: scene.name.clone() };
+        let options =
+            exr::ExrOptions { scene: scene.name.clone(), is_plain: !scene.outputs.layers };
         write_one(name, &|out| exr::write(frame, &options, out))?;
+    }
+    if let Some(name) = &scene.outputs.ply {
+        let surfaces = scene.surfaces.iter().zip(storages);
+        let points: Vec<ply::Points<'_>> = surfaces
+            .map(|(surface, storage)| ply::Points {
+                storage: &**storage,
+                color: surface.material.color,
+            })
+            .collect();
+        write_one(name, &|out| ply::write(&points, lattice, out))?;
     }
     Ok(written)
 }

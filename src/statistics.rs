@@ -160,6 +160,12 @@ pub struct FrameDigests {
     pub normal: String,
     /// Of the positions.
     pub position: String,
+    /// Of the numbers of surfaces.
+    pub surface: String,
+    /// Of the curvatures.
+    pub curvature: String,
+    /// Of the certificates.
+    pub certificate: String,
 }
 
 impl From<&FrameDigest> for Frame {
@@ -173,6 +179,9 @@ impl From<&FrameDigest> for Frame {
                 depth: of(&digest.depth),
                 normal: of(&digest.normal),
                 position: of(&digest.position),
+                surface: of(&digest.surface),
+                curvature: of(&digest.curvature),
+                certificate: of(&digest.certificate),
             },
         }
     }

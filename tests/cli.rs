@@ -242,7 +242,7 @@ fn an_interrupt_leaves_no_file() {
     let directory = tempfile::tempdir().unwrap();
     fs::write(directory.path().join("a.toml"), SPHERE).unwrap();
     let child = command(directory.path())
-        .args(["a.toml", "--resolution", "8192"])
+        .args(["a.toml", "--resolution", "8192", "--stats", "stats.json"])
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
@@ -320,7 +320,8 @@ fn storage_and_schedule_do_not_show() {
 
 #[test]
 fn what_does_not_fit_says_what_would() {
-    let (output, directory) = render(&["a.toml", "--resolution", "2048", "--max-memory", "40M"]);
+    let (output, directory) =
+        render(&["a.toml", "--resolution", "2048", "--max-memory", "40M", "--stats", "-"]);
     assert_eq!(output.status.code(), Some(2));
     let said = stderr(&output);
     assert!(said.contains("million voxels are to be expected at resolution 2048"), "{said}");

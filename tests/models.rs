@@ -34,7 +34,7 @@ fn render(folder: &Path, model: &str, rest: &str) -> Picture {
     );
     let scene = scene::parse_with(Path::new("model.toml"), &text, &[], Some(folder))
         .unwrap_or_else(|rejection| panic!("{model}: {:?}", rejection.diagnostics));
-    let options = Options { resolution: Some(96), ..Options::default() };
+    let options = Options { resolution: Some(96), find_all: true, ..Options::default() };
     pipeline::render(&scene, &options, &Unwatched).unwrap()
 }
 

@@ -154,18 +154,22 @@ impl<'a> Case<'a> {
         }
         let at = |t: f64| f(origin + t * direction);
         let is_kept = |t: f64| clip(origin + t * direction);
-        let step = self.step / direction.length();
-        let n = ((leave - enter) / step).ceil();
+        let n = ((leave - enter) * direction.length() / self.step).ceil();
+        let place = |i: u32| enter + (leave - enter) * (f64::from(i) / n);
         let (mut before, mut last) = (f64::NAN, at(enter));
         for i in 1..=n.max(0.0) as u32 {
-            let t = enter + (leave - enter) * (f64::from(i) / n);
+            let (t, t_last) = (place(i), place(i - 1));
             let value = at(t);
             let root = if (value < 0.0) != (last < 0.0) {
-                Some(bisect(&at, t - step, t))
-            } else if last.abs() < before.abs() && last.abs() <= value.abs() {
+                Some(bisect(&at, t_last, t))
+            } else if (before < 0.0) == (last < 0.0)
+                && last.abs() < before.abs()
+                && last.abs() <= value.abs()
+            {
                 // A dip between three steps may go through 0.
-                let dip = least(&|t| at(t) * last.signum(), t - 2.0 * step, t);
-                (at(dip) * last.signum() < 0.0).then(|| bisect(&at, t - 2.0 * step, dip))
+                let from = place(i.saturating_sub(2));
+                let dip = least(&|t| at(t) * last.signum(), from, t);
+                (at(dip) * last.signum() < 0.0).then(|| bisect(&at, from, dip))
             } else {
                 None
             };

@@ -87,3 +87,28 @@ fn close_ups_are_as_exact_as_the_overview() {
         }
     }
 }
+
+/// Spheres outside and inside, a plane: curvatures that everybody knows.
+#[test]
+fn curvatures_are_those_of_spheres_and_planes() {
+    for (f, expected) in [
+        ("x^2 + y^2 + z^2 = 0.25", 2.0),
+        ("0.25 = x^2 + y^2 + z^2", -2.0),
+        ("x + 2*y - z = 0", 0.0),
+        ("x^2 + y^2 = 0.25", 1.0),
+    ] {
+        let text = format!(
+            "version = 1\n[[surface]]\nf = '{f}'\n[domain]\nmin = [-1, -1, -1]\nmax = [1, 1, 1]\n\
+             [camera]\nprojection = 'orthographic'\n[image]\nwidth = 60\nheight = 60\n"
+        );
+        let scene = scene::parse(Path::new("curved.toml"), &text).unwrap();
+        let Picture { frame, .. } = render(&scene, false);
+        let mut n_seen = 0;
+        for (depth, curvature) in frame.depth.iter().zip(&frame.curvature) {
+            let expected = if *depth == Frame::FAR { 0.0 } else { expected };
+            n_seen += usize::from(*depth != Frame::FAR);
+            assert!((curvature - expected).abs() < 1e-4, "{f}: {curvature}");
+        }
+        assert!(n_seen > 300, "{f}");
+    }
+}

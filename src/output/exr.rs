@@ -1,7 +1,8 @@
 //! OpenEXR: linear light and all layers, for compositing.
 //!
-//! One part with the channels R G B A (half, premultiplied), `Depth.Z`, `Normal.X Y Z` and
-//! `Position.X Y Z` (float), which compositors group by the name before the dot. ZIP compression:
+//! One part with the channels R G B A (half, premultiplied), `Depth.Z`, `Normal.X Y Z`,
+//! `Position.X Y Z`, `Surface.X`, `Curvature.X` and `Certificate.X` (float), which compositors group
+//! by the name before the dot; or R G B A alone. ZIP compression:
 //! lossless, and the same bytes in every run, since the blocks are stored in order.
 //!
 //! *Based on:* "OpenEXR File Layout" and "Technical Introduction to OpenEXR", openexr.com.
@@ -20,6 +21,8 @@ use crate::raster::Frame;
 /// What the file says besides the picture.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ExrOptions {
+    /// Whether only colour and alpha are written: a file with more is no texture to Blender.
+    pub is_plain: bool,
     /// The scene's name, stored as the attribute `scene`.
     pub scene: String,
 }
@@ -49,15 +52,25 @@ pub fn write(
     if size.0 == 0 || size.1 == 0 {
         return Err(WriteError::Encode("the picture has no pixels".into()));
     }
-    let layer = Layer::new(size, attributes, encoding, channels(frame));
+    let layer = Layer::new(size, attributes, encoding, channels(frame, options.is_plain));
     Ok(Image::from_layer(layer).write().to_buffered(out)?)
 }
 
-fn channels(frame: &Frame) -> AnyChannels<FlatSamples> {
+fn channels(frame: &Frame, is_plain: bool) -> AnyChannels<FlatSamples> {
     let mut list = planes(["R", "G", "B", "A"], &frame.rgba, |samples| {
         FlatSamples::F16(samples.map(f16::from_f32).collect())
     });
-    list.push(AnyChannel::new("Depth.Z", FlatSamples::F32(frame.depth.clone())));
+    if is_plain {
+        return AnyChannels::sort(list.into());
+    }
+    for (name, plane) in [
+        ("Depth.Z", &frame.depth),
+        ("Surface.X", &frame.surface),
+        ("Curvature.X", &frame.curvature),
+        ("Certificate.X", &frame.certificate),
+    ] {
+        list.push(AnyChannel::new(name, FlatSamples::F32(plane.clone())));
+    }
     for (names, pixels) in [
         (["Normal.X", "Normal.Y", "Normal.Z"], &frame.normal),
         (["Position.X", "Position.Y", "Position.Z"], &frame.position),
@@ -98,6 +111,9 @@ pub fn read_frame(input: impl Read + Seek) -> Result<Frame, WriteError> {
     let Vec2(width, height) = layer.size;
     let mut frame = Frame::filled(width as u32, height as u32, [0.0; 4]);
     frame.depth = channel("Depth.Z")?;
+    frame.surface = channel("Surface.X")?;
+    frame.curvature = channel("Curvature.X")?;
+    frame.certificate = channel("Certificate.X")?;
     for (k, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
         fill(&mut frame.rgba, k, &channel(name)?);
     }
@@ -136,13 +152,16 @@ mod tests {
             frame.depth[i] = 1.0 + x / 3.0;
             frame.normal[i] = [0.6, -0.8, 1e-9 * x];
             frame.position[i] = [x / 7.0, -x, f32::MIN_POSITIVE];
+            frame.surface[i] = 1.0 + x;
+            frame.curvature[i] = -x;
+            frame.certificate[i] = 1.0;
         }
         frame
     }
 
     fn bytes(frame: &Frame) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
-        write(frame, &ExrOptions { scene: "球".into() }, &mut bytes).unwrap();
+        write(frame, &ExrOptions { scene: "球".into(), is_plain: false }, &mut bytes).unwrap();
         bytes.into_inner()
     }
 
@@ -154,6 +173,16 @@ mod tests {
             *pixel = pixel.map(|c| f16::from_f32(c).to_f32());
         }
         assert_eq!(read, frame);
+    }
+
+    #[test]
+    fn a_plain_file_has_four_channels() {
+        let options = ExrOptions { is_plain: true, ..ExrOptions::default() };
+        let mut bytes = Cursor::new(Vec::new());
+        write(&picture(), &options, &mut bytes).unwrap();
+        let bytes = bytes.into_inner();
+        let has = |name: &[u8]| bytes.windows(name.len()).any(|w| w == name);
+        assert!(has(b"A\0") && !has(b"Depth.Z") && !has(b"Curvature.X"));
     }
 
     #[test]

@@ -6,6 +6,7 @@
 mod atomic;
 pub mod exr;
 pub mod plot;
+pub mod ply;
 pub mod png;
 
 pub use atomic::{FileWriter, write_file};

@@ -73,7 +73,7 @@ fn srgb8_of([r, g, b, alpha]: [f32; 4]) -> [u8; 4] {
 }
 
 /// The sRGB code nearest to a linear intensity; 0 below the range (or not a number), 255 above.
-fn srgb_code(linear: f32) -> u8 {
+pub(super) fn srgb_code(linear: f32) -> u8 {
     BORDERS.partition_point(|&border| border <= linear) as u8
 }
 

@@ -1,6 +1,6 @@
 //! Blocks: voxels that are drawn together, stored or found when the first tile asks for them.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -12,6 +12,7 @@ use super::{
     walk::Cells,
 };
 use crate::{
+    expr::Tape,
     math::{Aabb, Lattice, SimdLevel},
     octree::{Part, Storage},
     voxelize::{BLOCK_LEVELS, BlockVoxels, Effort, FindVoxels, Octant, Wish, find_blocks},
@@ -45,10 +46,19 @@ pub(super) struct Block {
     /// The number of their layer.
     pub(super) layer: usize,
     place: Place,
+    /// The formula in it, once it was asked for.
+    tape: OnceLock<Arc<Tape>>,
     /// The samples that they may touch.
     pub(super) extent: Tile,
     /// No voxel of it is nearer.
     pub(super) nearest: f64,
+}
+
+impl Block {
+    /// The formula in the block; `shorten` makes it if nobody did.
+    pub(super) fn tape(&self, shorten: impl FnOnce() -> Arc<Tape>) -> Arc<Tape> {
+        self.tape.get_or_init(shorten).clone()
+    }
 }
 
 /// The voxels of a block.
@@ -252,7 +262,11 @@ fn block(
 ) -> Option<Block> {
     let slack = 1e-6 * bounds.size().max_element();
     let (extent, nearest) = extent(bounds, screen, layer.near(), slack)?;
-    Some(Block { layer: number, place, extent, nearest })
+    let tape = OnceLock::new();
+    if let Place::Octant(octant) = &place {
+        let _ = tape.set(octant.0.tape.clone());
+    }
+    Some(Block { layer: number, place, tape, extent, nearest })
 }
 
 /// The samples that a box may touch, and its least depth; `None` if it is out of the picture.

@@ -32,20 +32,28 @@ pub struct FrameDigest {
     pub normal: PlaneDigest,
     /// Of [`Frame::position`].
     pub position: PlaneDigest,
+    /// Of [`Frame::surface`].
+    pub surface: PlaneDigest,
+    /// Of [`Frame::curvature`].
+    pub curvature: PlaneDigest,
+    /// Of [`Frame::certificate`].
+    pub certificate: PlaneDigest,
 }
 
 impl Frame {
     /// The picture in a few numbers, for comparison with another run's.
     #[must_use]
     pub fn digest(&self) -> FrameDigest {
-        let depths: Vec<[f32; 1]> = self.depth.iter().map(|&d| [d]).collect();
         FrameDigest {
             size_px: [self.width, self.height],
             n_covered: self.depth.iter().filter(|&&d| d != Self::FAR).count(),
             rgba: self.plane(&self.rgba),
-            depth: self.plane(&depths),
+            depth: self.plane(single(&self.depth)),
             normal: self.plane(&self.normal),
             position: self.plane(&self.position),
+            surface: self.plane(single(&self.surface)),
+            curvature: self.plane(single(&self.curvature)),
+            certificate: self.plane(single(&self.certificate)),
         }
     }
 
@@ -65,6 +73,11 @@ impl Frame {
     }
 }
 
+/// A plane of one number a pixel.
+fn single(plane: &[f32]) -> &[[f32; 1]] {
+    plane.as_chunks().0
+}
+
 fn widened([lo, hi]: [f32; 2], x: f32) -> [f32; 2] {
     [if x < lo { x } else { lo }, if x > hi { x } else { hi }]
 }
@@ -79,6 +92,9 @@ impl fmt::Display for FrameDigest {
             ("depth", &self.depth),
             ("normal", &self.normal),
             ("position", &self.position),
+            ("surface", &self.surface),
+            ("curvature", &self.curvature),
+            ("certificate", &self.certificate),
         ] {
             let ([lo, hi], hash) = (plane.range, plane.hash);
             writeln!(f, "{name} {lo:?} {hi:?} {hash:032x}")?;

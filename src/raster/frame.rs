@@ -16,6 +16,14 @@ pub struct Frame {
     pub normal: Vec<[f32; 3]>,
     /// Point of the surface in scene coordinates; zero where there is no surface.
     pub position: Vec<[f32; 3]>,
+    /// The number of the surface, from 1, in the scene's order; models are numbered after surfaces.
+    /// 0 where there is none.
+    pub surface: Vec<f32>,
+    /// Mean curvature in 1 / scene units, positive where the surface bulges outwards; 0 where there
+    /// is no surface, and on models.
+    pub curvature: Vec<f32>,
+    /// 1 where the surface provably passes through the voxel, and on models; else 0.
+    pub certificate: Vec<f32>,
 }
 
 impl Frame {
@@ -33,6 +41,9 @@ impl Frame {
             depth: vec![Self::FAR; n],
             normal: vec![[0.0; 3]; n],
             position: vec![[0.0; 3]; n],
+            surface: vec![0.0; n],
+            curvature: vec![0.0; n],
+            certificate: vec![0.0; n],
         }
     }
 }

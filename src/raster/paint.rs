@@ -4,6 +4,8 @@
 //! voxels into a z-buffer; only at rims rays are followed too: a voxel covers what the surface in it
 //! covers, and no more.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::{
@@ -32,6 +34,8 @@ pub(super) struct Seen {
     pub(super) certified: bool,
     /// Edge of the voxel.
     pub(super) voxel_size: f64,
+    /// The number of its block among those of the tile; `None` on models.
+    pub(super) block: Option<u32>,
     /// What the material's colour is multiplied by.
     pub(super) tint: [f32; 3],
 }
@@ -146,6 +150,7 @@ impl Painter<'_> {
             normal: view.storage.normal(rank).decode(),
             certified: view.storage.is_certified(rank),
             voxel_size: view.lattice.voxel_size(),
+            block: Some(number as u32),
             tint: UNTINTED,
         }
     }
@@ -181,6 +186,32 @@ impl Painter<'_> {
         seen
     }
 
+    /// The mean curvature at points that a tile shows, each with the number of its block and the
+    /// edge of its voxel; 0 where there is none.
+    pub(super) fn curvatures(
+        &self,
+        place: (usize, usize),
+        points: &[(u32, DVec3, f64)],
+        tools: &mut Tools,
+    ) -> Vec<f64> {
+        let blocks: Vec<&Block> = self.blocks.of_tile(place).collect();
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by_key(|&i| points[i].0);
+        let mut curvatures = vec![0.0; points.len()];
+        for of_block in order.chunk_by(|&a, &b| points[a].0 == points[b].0) {
+            let block = blocks[points[of_block[0]].0 as usize];
+            let Some(tape) = self.layers()[block.layer].tape else { continue };
+            let own = (tape.n_choices() > 0).then(|| block.tape(|| Arc::new(tape.clone())));
+            let tape = own.as_deref().unwrap_or(tape);
+            let of_points: Vec<(DVec3, f64)> =
+                of_block.iter().map(|&i| (points[i].1, points[i].2)).collect();
+            for (&i, curvature) in of_block.iter().zip(tools.tracer.curvatures(tape, &of_points)) {
+                curvatures[i] = curvature;
+            }
+        }
+        curvatures
+    }
+
     /// Whether the surface in a voxel may have ended before the ray of the sample that shows it.
     fn is_at_rim(&self, tile: &Tile, shown: &[Option<Shown>], sample: usize) -> bool {
         let Some(Shown { seen, is_met }) = shown[sample] else { return false };
@@ -214,7 +245,7 @@ impl Painter<'_> {
     ) {
         let Tools { tracer, finder } = tools;
         let (mut quests, mut meetings): (Vec<Quest>, Vec<Meeting>) = (Vec::new(), Vec::new());
-        for block in blocks {
+        for (number, block) in (0..).zip(blocks) {
             let Some(part) = block.extent.intersection(tile) else { continue };
             let layer = &self.layers()[block.layer];
             let Some(tape) = layer.tape else { continue };
@@ -241,12 +272,19 @@ impl Painter<'_> {
                 }
                 meetings.clear();
                 let eye = self.screen().eye;
-                tracer.trace(&Traced { tape, cells, eye }, &quests, &mut meetings);
+                let whole = Traced { tape, cells, eye };
+                if tape.n_choices() > 0 {
+                    let tape = &*block.tape(|| Arc::new(tracer.shortened(&whole)));
+                    tracer.trace(&Traced { tape, ..whole }, &quests, &mut meetings);
+                } else {
+                    tracer.trace(&whole, &quests, &mut meetings);
+                }
                 for meeting in &meetings {
                     let sample = meeting.sample as usize;
                     if meeting.depth < farthest[sample] {
                         farthest[sample] = meeting.depth;
-                        seen[sample] = Some(self.met(block, view, tile, meeting, of_voxels));
+                        seen[sample] =
+                            Some(self.met((number, block), view, tile, meeting, of_voxels));
                     }
                 }
             });
@@ -278,7 +316,7 @@ impl Painter<'_> {
     /// What a sample shows whose ray meets the surface.
     fn met(
         &self,
-        block: &Block,
+        (number, block): (u32, &Block),
         view: BlockView<'_>,
         tile: &Tile,
         meeting: &Meeting,
@@ -297,6 +335,7 @@ impl Painter<'_> {
             normal: normal.or_else(|| unit(gradient)).unwrap_or(DVec3::Z),
             certified: rank.is_some_and(|rank| storage.is_certified(rank)),
             voxel_size: lattice.voxel_size(),
+            block: Some(number),
             tint: UNTINTED,
         }
     }

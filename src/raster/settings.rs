@@ -64,6 +64,8 @@ pub struct ImageSettings {
     pub samples: u32,
     /// Whether voxels are drawn that are not certified.
     pub candidates: bool,
+    /// Whether curvatures are found.
+    pub curvature: bool,
 }
 
 /// What stands for the surface in a voxel.

@@ -3,6 +3,7 @@
 //! The mean is that of linear light, premultiplied by alpha, so that edges fit any background. The
 //! layers that cannot be averaged show the pixel's nearest sample.
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
@@ -24,6 +25,32 @@ struct Pixel {
     depth: f32,
     normal: [f32; 3],
     position: [f32; 3],
+    surface: f32,
+    curvature: f32,
+    certificate: f32,
+}
+
+impl Pixel {
+    /// No surface and no light.
+    const EMPTY: Self = Self {
+        rgba: [0.0; 4],
+        depth: Frame::FAR,
+        normal: [0.0; 3],
+        position: [0.0; 3],
+        surface: 0.0,
+        curvature: 0.0,
+        certificate: 0.0,
+    };
+}
+
+/// The nearest point that a pixel shows.
+#[derive(Clone, Copy)]
+struct Shown {
+    /// The number of its block in the tile; `None` on models.
+    block: Option<u32>,
+    /// In scene coordinates.
+    point: DVec3,
+    voxel_size: f64,
 }
 
 /// Paints and lights all pixels.
@@ -54,14 +81,17 @@ pub(super) fn shade(
     let width = image.width as usize;
     let rows = screen.tile_edge / screen.samples;
     let n = width * rows;
-    frame
-        .rgba
-        .par_chunks_mut(n)
-        .zip(frame.depth.par_chunks_mut(n))
-        .zip(frame.normal.par_chunks_mut(n))
-        .zip(frame.position.par_chunks_mut(n))
+    let Frame { rgba, depth, normal, position, surface, curvature, certificate, .. } = &mut frame;
+    rgba.par_chunks_mut(n)
+        .zip(depth.par_chunks_mut(n))
+        .zip(normal.par_chunks_mut(n))
+        .zip(position.par_chunks_mut(n))
+        .zip(surface.par_chunks_mut(n))
+        .zip(curvature.par_chunks_mut(n))
+        .zip(certificate.par_chunks_mut(n))
         .enumerate()
-        .try_for_each(|(row, (((rgba, depth), normal), position))| {
+        .try_for_each(|(row, planes)| {
+            let ((((((rgba, depth), normal), position), surface), curvature), certificate) = planes;
             let tiles: Result<Vec<Vec<Pixel>>> = (0..n_columns)
                 .into_par_iter()
                 .map_init(
@@ -73,7 +103,11 @@ pub(super) fn shade(
                         let tile = screen.tile(column, row);
                         let seen = painter.paint((column, row), &tile, tools);
                         progress.advance(1);
-                        Ok(shader.pixels(&tile, &seen))
+                        let mut pixels = shader.pixels(&tile, &seen);
+                        if image.curvature {
+                            add_curvatures(&painter, (column, row), &mut pixels, tools);
+                        }
+                        Ok(pixels.into_iter().map(|(pixel, _)| pixel).collect())
                     },
                 )
                 .collect();
@@ -86,6 +120,9 @@ pub(super) fn shade(
                     depth[at] = pixel.depth;
                     normal[at] = pixel.normal;
                     position[at] = pixel.position;
+                    surface[at] = pixel.surface;
+                    curvature[at] = pixel.curvature;
+                    certificate[at] = pixel.certificate;
                 }
             }
             Ok(())
@@ -107,8 +144,8 @@ struct Shader<'a> {
 }
 
 impl Shader<'_> {
-    /// The pixels of a tile, row by row.
-    fn pixels(&self, tile: &Tile, seen: &[Option<Seen>]) -> Vec<Pixel> {
+    /// The pixels of a tile, row by row, each with the nearest point that it shows.
+    fn pixels(&self, tile: &Tile, seen: &[Option<Seen>]) -> Vec<(Pixel, Option<Shown>)> {
         let samples = self.screen.samples;
         let n_rows = tile.rows.len() / samples;
         let n_columns = tile.columns.len() / samples;
@@ -129,7 +166,7 @@ impl Shader<'_> {
         tile: &Tile,
         seen: &[Option<Seen>],
         samples: impl Iterator<Item = usize>,
-    ) -> Pixel {
+    ) -> (Pixel, Option<Shown>) {
         let mut sum = [0.0_f64; 4];
         let mut nearest: Option<(usize, Seen)> = None;
         for sample in samples {
@@ -144,16 +181,20 @@ impl Shader<'_> {
         let n = (self.screen.samples * self.screen.samples) as f64;
         let rgba = sum.map(|channel| (channel / n) as f32);
         let Some((sample, seen)) = nearest else {
-            return Pixel { rgba, depth: Frame::FAR, normal: [0.0; 3], position: [0.0; 3] };
+            return (Pixel { rgba, ..Pixel::EMPTY }, None);
         };
         let (column, row) = tile.place(sample);
         let point = self.screen.eye + self.screen.ray(column, row).at(seen.depth);
-        Pixel {
+        let pixel = Pixel {
             rgba,
             depth: seen.depth as f32,
             normal: seen.normal.as_vec3().to_array(),
             position: point.as_vec3().to_array(),
-        }
+            surface: (seen.layer + 1) as f32,
+            curvature: 0.0,
+            certificate: f32::from(u8::from(seen.certified)),
+        };
+        (pixel, Some(Shown { block: seen.block, point, voxel_size: seen.voxel_size }))
     }
 
     fn lit(&self, tile: &Tile, sample: usize, seen: &Seen) -> [f32; 4] {
@@ -161,6 +202,23 @@ impl Shader<'_> {
         let ray = self.screen.ray(column, row);
         let material = material(self.materials[seen.layer], seen, self.image.shade);
         self.lights.reflected(&material, seen.normal, &ray)
+    }
+}
+
+/// Adds the curvatures at the points that pixels show.
+fn add_curvatures(
+    painter: &Painter<'_>,
+    place: (usize, usize),
+    pixels: &mut [(Pixel, Option<Shown>)],
+    tools: &mut Tools,
+) {
+    let points = pixels.iter().enumerate().filter_map(|(i, (_, shown))| {
+        let Shown { block, point, voxel_size } = (*shown)?;
+        Some((i, (block?, point, voxel_size)))
+    });
+    let (places, points): (Vec<usize>, Vec<(u32, DVec3, f64)>) = points.unzip();
+    for (i, curvature) in places.into_iter().zip(painter.curvatures(place, &points, tools)) {
+        pixels[i].0.curvature = curvature as f32;
     }
 }
 

@@ -54,6 +54,13 @@ pub(super) struct Meeting {
 pub(super) trait Trace: Send {
     /// Finds the first meeting of each quest with the surface of `tape` in `cells`.
     fn trace(&mut self, scene: &Traced<'_>, quests: &[Quest], meetings: &mut Vec<Meeting>);
+
+    /// The tape where its choices went as they do in all cells.
+    fn shortened(&mut self, scene: &Traced<'_>) -> Tape;
+
+    /// The mean curvature of F = const at each of some points, positive where it bulges towards
+    /// larger F; 0 where it has none. Every point comes with the edge of its voxel.
+    fn curvatures(&mut self, tape: &Tape, points: &[(DVec3, f64)]) -> Vec<f64>;
 }
 
 /// What rays are followed through.
@@ -137,8 +144,6 @@ impl<S: Simd> Tracer<S> {
 impl<S: Simd> Trace for Tracer<S> {
     fn trace(&mut self, scene: &Traced<'_>, quests: &[Quest], meetings: &mut Vec<Meeting>) {
         let first_meeting = meetings.len();
-        let shortened = (scene.tape.n_choices() > 0).then(|| self.shortened(scene));
-        let scene = &Traced { tape: shortened.as_ref().unwrap_or(scene.tape), ..*scene };
         let mut rest = quests.iter();
         let mut lanes: Vec<Lane<'_>> = Vec::with_capacity(BATCH);
         loop {
@@ -156,6 +161,56 @@ impl<S: Simd> Trace for Tracer<S> {
         }
         self.find_gradients(scene, quests, &mut meetings[first_meeting..]);
     }
+
+    fn shortened(&mut self, scene: &Traced<'_>) -> Tape {
+        let (min, max) = scene.cells.bounds();
+        for axis in 0..3 {
+            self.boxes.lo[axis][0] = scene.eye[axis] + min[axis];
+            self.boxes.hi[axis][0] = scene.eye[axis] + max[axis];
+        }
+        self.values.eval(scene.tape, &self.boxes, 1, true);
+        scene.tape.shortened(self.values.choices(0))
+    }
+
+    /// Second derivatives are differences of gradients.
+    fn curvatures(&mut self, tape: &Tape, points: &[(DVec3, f64)]) -> Vec<f64> {
+        let steps = [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
+        let step_of = |&(p, voxel_size): &(DVec3, f64)| {
+            (STEP_VOXELS * voxel_size).max(STEP_COORDINATE * p.abs().max_element())
+        };
+        let around = points.iter().flat_map(|point| {
+            let step = step_of(point);
+            steps.map(|axis| point.0 + step * axis)
+        });
+        let around: Vec<DVec3> = around.collect();
+        let mut gradients: Vec<DVec3> = Vec::with_capacity(around.len());
+        for some in around.chunks(POINT_BATCH) {
+            let mut batch: Points = [[0.0; POINT_BATCH]; 3];
+            for (k, p) in some.iter().enumerate() {
+                (0..3).for_each(|axis| batch[axis][k] = p[axis]);
+            }
+            let [x, y, z] = self.gradients.eval(tape, &batch);
+            gradients.extend((0..some.len()).map(|k| DVec3::new(x[k], y[k], z[k])));
+        }
+        let (of_points, _) = gradients.as_chunks::<6>();
+        points.iter().zip(of_points).map(|(point, g)| mean_curvature(g, step_of(point))).collect()
+    }
+}
+
+/// Steps for second derivatives: a part of a voxel, and of coordinates, so that neither the
+/// surface bends much nor rounding shows.
+const STEP_VOXELS: f64 = 1e-3;
+const STEP_COORDINATE: f64 = 1e-6;
+
+/// From the gradients g a step before and behind along each axis: div(g / |g|) / 2.
+fn mean_curvature([x1, x0, y1, y0, z1, z0]: &[DVec3; 6], step: f64) -> f64 {
+    let g = (*x1 + *x0 + *y1 + *y0 + *z1 + *z0) / 6.0;
+    let columns = [*x1 - *x0, *y1 - *y0, *z1 - *z0].map(|difference| difference / (2.0 * step));
+    let trace = columns[0].x + columns[1].y + columns[2].z;
+    let along = g.dot(g.x * columns[0] + g.y * columns[1] + g.z * columns[2]);
+    let square = g.length_squared();
+    let curvature = 0.5 * (square * trace - along) / (square * square.sqrt());
+    if curvature.is_finite() { curvature } else { 0.0 }
 }
 
 impl<'a> Lane<'a> {
@@ -191,17 +246,6 @@ static NOTHING: Quest = Quest {
 };
 
 impl<S: Simd> Tracer<S> {
-    /// The tape where its choices went as they do in all cells.
-    fn shortened(&mut self, scene: &Traced<'_>) -> Tape {
-        let (min, max) = scene.cells.bounds();
-        for axis in 0..3 {
-            self.boxes.lo[axis][0] = scene.eye[axis] + min[axis];
-            self.boxes.hi[axis][0] = scene.eye[axis] + max[axis];
-        }
-        self.values.eval(scene.tape, &self.boxes, 1, true);
-        scene.tape.shortened(self.values.choices(0))
-    }
-
     /// Tests the nearest part of every lane: takes it off, halves it, or finds a bracket or, where
     /// it was halved often enough, a meeting.
     fn test(
@@ -211,18 +255,7 @@ impl<S: Simd> Tracer<S> {
         brackets: &mut Vec<Bracket>,
         meetings: &mut Vec<Meeting>,
     ) {
-        for (i, lane) in lanes.iter().enumerate() {
-            let (span, _) = lane.parts[lane.parts.len() - 1];
-            let from = scene.eye + lane.quest.ray.at(span.from);
-            let to = scene.eye + lane.quest.ray.at(span.to);
-            for axis in 0..3 {
-                let (a, b) = (from[axis], to[axis]);
-                let (lo, hi) = if a < b { (a, b) } else { (b, a) };
-                let rounding = 4.0 * f64::EPSILON * (scene.eye[axis].abs() + lo.abs() + hi.abs());
-                self.boxes.lo[axis][i] = lo - rounding;
-                self.boxes.hi[axis][i] = hi + rounding;
-            }
-        }
+        self.write_boxes(scene, lanes);
         let found = self.slopes.gradients(scene.tape, &self.boxes, lanes.len());
         let verdict = found.verdict;
         let is_open = |i: usize| (verdict.empty | verdict.negative) >> i & 1 == 0;
@@ -271,6 +304,22 @@ impl<S: Simd> Tracer<S> {
                         lanes[i].parts.push((near, halvings + 1));
                     }
                 }
+            }
+        }
+    }
+
+    /// Writes the boxes of the nearest parts of all lanes.
+    fn write_boxes(&mut self, scene: &Traced<'_>, lanes: &[Lane<'_>]) {
+        for (i, lane) in lanes.iter().enumerate() {
+            let (span, _) = lane.parts[lane.parts.len() - 1];
+            let from = scene.eye + lane.quest.ray.at(span.from);
+            let to = scene.eye + lane.quest.ray.at(span.to);
+            for axis in 0..3 {
+                let (a, b) = (from[axis], to[axis]);
+                let (lo, hi) = if a < b { (a, b) } else { (b, a) };
+                let rounding = 4.0 * f64::EPSILON * (scene.eye[axis].abs() + lo.abs() + hi.abs());
+                self.boxes.lo[axis][i] = lo - rounding;
+                self.boxes.hi[axis][i] = hi + rounding;
             }
         }
     }

@@ -102,6 +102,7 @@ impl<'a> Triangles<'a> {
                             normal: normal(model, placed.triangle, weights),
                             certified: true,
                             voxel_size: 0.0,
+                            block: None,
                             tint: tint(model, placed.triangle, weights),
                         });
                     }

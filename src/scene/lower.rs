@@ -18,7 +18,7 @@ use super::{
     leaf::{Background, Color, Detail, Number, Numbers, Target, Whole},
     spanned::Spanned,
     spec::{
-        DomainSpec, ImageSpec, LightSpec, OutputSpec, SceneSpec, ScheduleSpec, Section, ShadeSpec,
+        DomainSpec, ImageSpec, OutputSpec, SceneSpec, ScheduleSpec, Section, ShadeSpec,
         StorageSpec, VoxelsSpec,
     },
 };
@@ -105,7 +105,7 @@ impl<'a> Lower<'a> {
             storage: storage(&spec.voxels.spec),
             schedule: schedule(&spec.voxels.spec),
             view: self.view(&spec.camera),
-            image: self.image(&spec.image.spec, &spec.lights),
+            image: self.image(spec),
             outputs: self.outputs(name, &spec.output.spec),
             sources: Sources::default(),
             warnings: Vec::new(),
@@ -190,7 +190,10 @@ impl<'a> Lower<'a> {
         visible_only.or(is_auto.then_some(true))
     }
 
-    fn image(&mut self, spec: &ImageSpec, lights: &[Section<LightSpec>]) -> ImageSettings {
+    fn image(&mut self, scene: &SceneSpec) -> ImageSettings {
+        let spec = &scene.image.spec;
+        let output = &scene.output.spec;
+        let no_exr = output.exr.as_ref().is_some_and(|exr| *exr.get_ref() == Target::Switch(false));
         let range = 1..=MAX_IMAGE_SIZE;
         ImageSettings {
             width: self.whole("width", spec.width.as_ref(), range.clone(), DEFAULT_IMAGE_SIZE),
@@ -199,7 +202,7 @@ impl<'a> Lower<'a> {
                 Background::Transparent => None,
                 Background::Color(color) => Some(linear_from_srgb(color)),
             },
-            lights: self.lights(lights),
+            lights: self.lights(&scene.lights),
             shade: match spec.shade.unwrap_or_default() {
                 ShadeSpec::Refine => Shade::Refine,
                 ShadeSpec::Slab => Shade::Slab,
@@ -209,6 +212,7 @@ impl<'a> Lower<'a> {
             },
             samples: self.samples(spec),
             candidates: spec.candidates.unwrap_or(true),
+            curvature: !no_exr && output.layers.unwrap_or(true),
         }
     }
 
@@ -231,6 +235,8 @@ impl<'a> Lower<'a> {
         Outputs {
             png: self.file(&format!("{name}.png"), spec.png.as_ref()),
             exr: self.file(&format!("{name}.exr"), spec.exr.as_ref()),
+            layers: spec.layers.unwrap_or(true),
+            ply: spec.ply.as_ref().and_then(|ply| self.file(&format!("{name}.ply"), Some(ply))),
         }
     }
 

@@ -91,4 +91,8 @@ pub struct Outputs {
     pub png: Option<PathBuf>,
     /// Linear light and layers.
     pub exr: Option<PathBuf>,
+    /// Whether it holds layers beside colour and alpha.
+    pub layers: bool,
+    /// Voxels as points.
+    pub ply: Option<PathBuf>,
 }

@@ -334,4 +334,8 @@ pub(super) struct OutputSpec {
     pub(super) png: Option<Spanned<Target>>,
     /// True by default: NAME.exr.
     pub(super) exr: Option<Spanned<Target>>,
+    /// Whether the EXR file holds layers beside colour and alpha; true by default.
+    pub(super) layers: Option<bool>,
+    /// False by default. True: NAME.ply, all voxels as points with normals and colours.
+    pub(super) ply: Option<Spanned<Target>>,
 }

@@ -45,6 +45,30 @@ impl VoxelVerdict {
     }
 }
 
+/// Whether bounds have paid so far: where F has kinks everywhere they tell nothing, and there is
+/// no use in asking on.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Record {
+    n_asked: u32,
+    n_told: u32,
+}
+
+impl Record {
+    /// As many as this must be asked before anything is said.
+    const ENOUGH: u32 = 64;
+
+    /// Notes whether a cube's bounds told anything.
+    pub(super) fn note(&mut self, told: bool) {
+        self.n_asked += 1;
+        self.n_told += u32::from(told);
+    }
+
+    /// Whether one in eight has told something.
+    pub(super) fn pays(&self) -> bool {
+        self.n_asked < Self::ENOUGH || self.n_told >= self.n_asked / 8
+    }
+}
+
 /// Finds what affine bounds tell, with vectors of type L.
 pub(super) struct AffineBounds<L: Lanes> {
     token: L::Token,

@@ -75,6 +75,9 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
     /// What the gradient over each brick tells of it, and its value in the middle.
     fn bound(&mut self, tape: &Tape, bricks: &mut [Brick]) {
         for batch in bricks.chunks_mut(BATCH) {
+            if !self.records[0].pays() {
+                return;
+            }
             let firsts = batch.iter().map(|brick| brick.first);
             let (found, voxels) = self.bound_cubes::<BRICK_SIDE>(tape, firsts);
             for (lane, brick) in batch.iter_mut().enumerate() {
@@ -88,6 +91,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
                         brick.tell(&voxels[lane]);
                     }
                 }
+                self.records[0].note(brick.has_trend(0) || brick.open() != brick.present);
             }
         }
     }
@@ -130,12 +134,16 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
             open.extend((0..8).filter(is_worth).map(|c| (i, c)));
         }
         for batch in open.chunks(BATCH) {
+            if !self.records[1].pays() {
+                return;
+            }
             let firsts = batch.iter().map(|&(i, c)| bricks[i].voxel(8 * c));
             let (found, voxels) = self.bound_cubes::<2>(tape, firsts);
             for (lane, &(i, c)) in batch.iter().enumerate() {
                 let is = |lanes: u64| lanes >> lane & 1 == 1;
                 let brick = &mut bricks[i];
                 let present = octant(brick.present, c);
+                let open_before = octant(brick.open(), c);
                 if is(found.verdict.empty) {
                     brick.mixed &= !of_octant(present.into(), c);
                 } else if is(found.verdict.continuous & found.verdict.in_region) {
@@ -146,6 +154,8 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
                         brick.tell(&voxels[lane].of_octant(c));
                     }
                 }
+                let told = brick.has_trend(c) || octant(brick.open(), c) != open_before;
+                self.records[1].note(told);
             }
         }
     }

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use fearless_simd::Simd;
 
 use super::{
-    affine::AffineBounds,
+    affine::{AffineBounds, Record},
     brick::BRICK_LEVELS,
     closer::{CloserLook, ExactLook},
     corners::Corners,
@@ -134,6 +134,8 @@ pub(super) struct Search<S: Simd, L: Lanes<Token = S>, const G: usize> {
     pub(super) values: BoxEvaluator<L, G>,
     pub(super) slopes: SlopeEvaluator<L, G>,
     pub(super) affine: AffineBounds<L>,
+    /// How bounds of bricks and of octants have paid in this block.
+    pub(super) records: [Record; 2],
     pub(super) boxes: Boxes<L::Scalar>,
     pub(super) inner_boxes: Boxes<L::Scalar>,
     pub(super) signs: CornerSigns<L::Scalar>,
@@ -163,6 +165,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
             values: BoxEvaluator::new(simd),
             slopes: SlopeEvaluator::new(simd),
             affine: AffineBounds::new(simd, &lattice),
+            records: [Record::default(); 2],
             boxes: Boxes::default(),
             inner_boxes: Boxes::default(),
             signs: CornerSigns::new(),
@@ -232,6 +235,8 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
             return;
         }
         for run in run.into_single_nodes() {
+            // What is done in a block depends on nothing else.
+            self.records = [Record::default(); 2];
             for ijk in run.places() {
                 self.signs.enter(ijk.map(|i| i << (self.depth - level)), &self.corners);
             }
