@@ -172,7 +172,7 @@ fn render_with_all_threads(
             bytes: statistics::Bytes::sum(whole.storages.iter().map(|storage| storage.bytes())),
             digests: whole.digests,
         },
-        frame: statistics::Frame::from(&frame.digest()),
+        frame: options.find_all.then(|| statistics::Frame::from(&frame.digest())),
         precision: Precision::for_lattice(&lattice).name(),
         simd: simd.name(),
         threads: rayon::current_num_threads(),

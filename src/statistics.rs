@@ -28,8 +28,9 @@ pub struct Statistics {
     pub voxels: Voxels,
     /// The octrees of all surfaces.
     pub octree: Octree,
-    /// The picture.
-    pub frame: Frame,
+    /// The picture; its digests take a while, and are made where all voxels are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Frame>,
     /// Float type of the intervals: `f32` or `f64`.
     pub precision: &'static str,
     /// Instruction set, such as `avx2`.

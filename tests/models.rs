@@ -75,7 +75,7 @@ fn the_text_is_extruded() {
     );
     let [least, most] = bounds(&picture);
     assert_eq!((least[2], most[2]), (43, 52), "0.1 lies in the fifth layer from the middle");
-    let covered = picture.statistics.frame.covered as f64 / (120.0 * 120.0);
+    let covered = picture.frame.digest().n_covered as f64 / (120.0 * 120.0);
     assert!((0.1..0.5).contains(&covered), "letters cover {covered} of the picture");
 }
 
