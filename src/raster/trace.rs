@@ -105,8 +105,35 @@ struct Tracer<S: Simd> {
 struct Lane<'a> {
     quest: &'a Quest,
     walk: Walk,
-    /// Parts that are still to be looked at, the nearest last, and how often each was halved.
-    parts: Vec<(Span, u32)>,
+    parts: Parts,
+}
+
+/// Parts of a cell that are still to be looked at, the nearest last, and how often each was halved.
+#[derive(Default)]
+struct Parts {
+    parts: [(Span, u32); MAX_HALVINGS as usize + 2],
+    n: usize,
+}
+
+impl Parts {
+    fn is_empty(&self) -> bool {
+        self.n == 0
+    }
+
+    /// The nearest; there must be one.
+    fn last(&self) -> Span {
+        self.parts[self.n - 1].0
+    }
+
+    fn push(&mut self, span: Span, halvings: u32) {
+        self.parts[self.n] = (span, halvings);
+        self.n += 1;
+    }
+
+    fn pop(&mut self) -> Option<(Span, u32)> {
+        self.n = self.n.checked_sub(1)?;
+        Some(self.parts[self.n])
+    }
 }
 
 /// A root between two depths, with F there.
@@ -147,7 +174,14 @@ impl<S: Simd> Trace for Tracer<S> {
         let mut rest = quests.iter();
         let mut lanes: Vec<Lane<'_>> = Vec::with_capacity(BATCH);
         loop {
-            lanes.retain_mut(|lane| lane.advance(scene));
+            let mut i = 0;
+            while i < lanes.len() {
+                if lanes[i].advance(scene) || lanes[i].take_next(&mut rest, scene) {
+                    i += 1;
+                } else {
+                    lanes.swap_remove(i);
+                }
+            }
             while lanes.len() < BATCH {
                 let Some(quest) = rest.next() else { break };
                 lanes.extend(Lane::begin(quest, scene));
@@ -217,7 +251,7 @@ impl<'a> Lane<'a> {
     /// The quest at its first cell, if there is one.
     fn begin(quest: &'a Quest, scene: &Traced<'_>) -> Option<Self> {
         let walk = Walk::new(scene.cells, &quest.ray, quest.from)?;
-        let mut lane = Self { quest, walk, parts: Vec::new() };
+        let mut lane = Self { quest, walk, parts: Parts::default() };
         lane.advance(scene).then_some(lane)
     }
 
@@ -225,14 +259,29 @@ impl<'a> Lane<'a> {
     fn advance(&mut self, scene: &Traced<'_>) -> bool {
         if self.parts.is_empty() && self.walk.depth() <= self.quest.farthest {
             let span = self.walk.next_cell(scene.cells);
-            self.parts.extend(span.map(|span| (span, 0)));
+            if let Some(span) = span {
+                self.parts.push(span, 0);
+            }
         }
         !self.parts.is_empty()
     }
 
+    /// Goes on to the next quest that has a cell, if there is one.
+    fn take_next(&mut self, rest: &mut std::slice::Iter<'a, Quest>, scene: &Traced<'_>) -> bool {
+        for quest in rest.by_ref() {
+            if let Some(walk) = Walk::new(scene.cells, &quest.ray, quest.from) {
+                (self.quest, self.walk) = (quest, walk);
+                if self.advance(scene) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
     /// Nothing more is looked for.
     fn finish(&mut self) {
-        self.parts.clear();
+        self.parts.n = 0;
         self.quest = &NOTHING;
     }
 }
@@ -266,7 +315,7 @@ impl<S: Simd> Tracer<S> {
         for some in open.chunks(POINT_BATCH / 2) {
             let mut ends: Points = [[0.0; POINT_BATCH]; 3];
             for (k, &i) in some.iter().enumerate() {
-                let (span, _) = lanes[i].parts[lanes[i].parts.len() - 1];
+                let span = lanes[i].parts.last();
                 for (end, depth) in [span.from, span.to].into_iter().enumerate() {
                     let p = scene.eye + lanes[i].quest.ray.at(depth);
                     (0..3).for_each(|axis| ends[axis][2 * k + end] = p[axis]);
@@ -300,8 +349,8 @@ impl<S: Simd> Tracer<S> {
                         let middle = 0.5 * (span.from + span.to);
                         let far = Span { from: middle, to: span.to };
                         let near = Span { from: span.from, to: middle };
-                        lanes[i].parts.push((far, halvings + 1));
-                        lanes[i].parts.push((near, halvings + 1));
+                        lanes[i].parts.push(far, halvings + 1);
+                        lanes[i].parts.push(near, halvings + 1);
                     }
                 }
             }
@@ -311,7 +360,7 @@ impl<S: Simd> Tracer<S> {
     /// Writes the boxes of the nearest parts of all lanes.
     fn write_boxes(&mut self, scene: &Traced<'_>, lanes: &[Lane<'_>]) {
         for (i, lane) in lanes.iter().enumerate() {
-            let (span, _) = lane.parts[lane.parts.len() - 1];
+            let span = lane.parts.last();
             let from = scene.eye + lane.quest.ray.at(span.from);
             let to = scene.eye + lane.quest.ray.at(span.to);
             for axis in 0..3 {

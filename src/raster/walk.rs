@@ -25,14 +25,14 @@ pub(super) struct Cells {
     end: DVec3,
     /// Bit x of row y + 32 z.
     rows: Vec<u32>,
-    /// Cubes of 4³ cells that hold any: bit x of row y + 8 z.
-    bricks: [u8; BRICKS * BRICKS],
+    /// Cubes of 2³ cells that hold any: bit x of row y + 16 z.
+    octants: [u16; OCTANTS * OCTANTS],
 }
 
-/// Cells along an edge of a brick.
-const BRICK: usize = 4;
-/// Bricks along an edge of a block.
-const BRICKS: usize = BLOCK_SIDE / BRICK;
+/// Cells along an edge of an octant.
+const OCTANT: usize = 2;
+/// Octants along an edge of a block.
+const OCTANTS: usize = BLOCK_SIDE / OCTANT;
 
 impl Cells {
     /// No cells yet, of a block that ends at `end` at the latest.
@@ -41,7 +41,7 @@ impl Cells {
         // By rounding, the planes of a lattice may lie a little beyond its last one.
         let end = end + DVec3::splat(OVERLAP * size);
         let end = end.min(origin + DVec3::splat(BLOCK_SIDE as f64 * size));
-        Self { origin, size, end, rows, bricks: [0; BRICKS * BRICKS] }
+        Self { origin, size, end, rows, octants: [0; OCTANTS * OCTANTS] }
     }
 
     /// A box that holds all of them and the ends of rays in them, from the eye.
@@ -55,19 +55,19 @@ impl Cells {
     #[inline]
     pub(super) fn insert(&mut self, [x, y, z]: [u32; 3]) {
         self.rows[y as usize + BLOCK_SIDE * z as usize] |= 1 << x;
-        let [bx, by, bz] = [x, y, z].map(|i| i as usize / BRICK);
-        self.bricks[by + BRICKS * bz] |= 1 << bx;
+        let [bx, by, bz] = [x, y, z].map(|i| i as usize / OCTANT);
+        self.octants[by + OCTANTS * bz] |= 1 << bx;
     }
 
     /// Boxes that together hold all cells: centres, from the eye, and half an edge.
     pub(super) fn boxes(&self) -> (impl Iterator<Item = DVec3>, f64) {
-        let half = 0.5 * BRICK as f64 * self.size;
+        let half = 0.5 * OCTANT as f64 * self.size;
         let center = move |i: usize| 2.0 * half * (i as f64 + 0.5);
-        let rows = self.bricks.iter().enumerate();
+        let rows = self.octants.iter().enumerate();
         let centers = rows.flat_map(move |(row, &bits)| {
-            let of_row = (0..BRICKS).filter(move |x| bits >> x & 1 == 1);
+            let of_row = (0..OCTANTS).filter(move |x| bits >> x & 1 == 1);
             of_row.map(move |x| {
-                self.origin + DVec3::new(center(x), center(row % BRICKS), center(row / BRICKS))
+                self.origin + DVec3::new(center(x), center(row % OCTANTS), center(row / OCTANTS))
             })
         });
         (centers, half)
@@ -80,7 +80,7 @@ impl Cells {
 }
 
 /// The part of a ray between two depths.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Span {
     pub(super) from: f64,
     pub(super) to: f64,
