@@ -293,9 +293,9 @@ fn voxels_cover_what_the_surface_covers() {
     check(Shade::Voxel, 160, 3.0);
 }
 
-/// Half an hour: `cargo test --release --test reference -- --ignored --nocapture`
+/// Some minutes: `cargo test --release --test reference -- --ignored --nocapture`
 #[test]
-#[ignore = "takes half an hour"]
+#[ignore = "takes some minutes"]
 fn large_pictures_are_those_of_a_ray_caster() {
     check(Shade::Refine, 1024, 0.5);
     check(Shade::Voxel, 1024, 3.0);

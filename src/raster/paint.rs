@@ -176,12 +176,24 @@ impl Painter<'_> {
         let shown: Vec<Option<Shown>> = (0..tile.n_samples()).map(of_sample).collect();
         let mut seen: Vec<_> = shown.iter().map(|shown| shown.map(|shown| shown.seen)).collect();
         if has_formulas {
-            let mut wanted = vec![f64::NEG_INFINITY; tile.n_samples()];
-            for sample in (0..tile.n_samples()).filter(|&i| self.is_at_rim(tile, &shown, i)) {
-                wanted[sample] = f64::INFINITY;
-                seen[sample] = None;
+            let is_met = |sample: usize| shown[sample].is_some_and(|shown| shown.is_met);
+            let mut is_traced = vec![false; tile.n_samples()];
+            // What a ray at a rim shows makes rims of its neighbours.
+            loop {
+                let is_new =
+                    |&i: &usize| !is_traced[i] && self.is_at_rim(tile, &seen, i, is_met(i));
+                let rims: Vec<usize> = (0..tile.n_samples()).filter(is_new).collect();
+                if rims.is_empty() {
+                    break;
+                }
+                let mut wanted = vec![f64::NEG_INFINITY; tile.n_samples()];
+                for &sample in &rims {
+                    wanted[sample] = f64::INFINITY;
+                    is_traced[sample] = true;
+                    seen[sample] = None;
+                }
+                self.trace(blocks, tile, wanted, tools, &mut seen, true);
             }
-            self.trace(blocks, tile, wanted, tools, &mut seen, true);
         }
         seen
     }
@@ -213,8 +225,8 @@ impl Painter<'_> {
     }
 
     /// Whether the surface in a voxel may have ended before the ray of the sample that shows it.
-    fn is_at_rim(&self, tile: &Tile, shown: &[Option<Shown>], sample: usize) -> bool {
-        let Some(Shown { seen, is_met }) = shown[sample] else { return false };
+    fn is_at_rim(&self, tile: &Tile, all: &[Option<Seen>], sample: usize, is_met: bool) -> bool {
+        let Some(seen) = all[sample] else { return false };
         let (column, row) = tile.place(sample);
         let direction = self.screen().ray(column, row).direction;
         let is_grazed = seen.normal.dot(direction).abs() < GRAZING * direction.length();
@@ -228,7 +240,7 @@ impl Painter<'_> {
         let step = STEP_VOXELS * seen.voxel_size;
         let width = tile.columns.len();
         [sample - 1, sample + 1, sample - width, sample + width].into_iter().any(|neighbour| {
-            shown[neighbour].is_none_or(|other| (other.seen.depth - seen.depth).abs() > step)
+            all[neighbour].is_none_or(|other| (other.depth - seen.depth).abs() > step)
         })
     }
 
