@@ -245,7 +245,7 @@ fn is_visible_only(scene: &Scene, options: &Options, lattice: &Lattice) -> bool 
         || !scene.certify
         || scene.image.shade != Shade::Refine
         || lattice.depth() <= BLOCK_LEVELS;
-    scene.visible_only.unwrap_or(!options.find_all && !needs_all)
+    scene.is_auto || (scene.visible_only.unwrap_or(!options.find_all) && !needs_all)
 }
 
 /// The voxel lattice of `scene`, with another resolution if one is given.

@@ -28,7 +28,7 @@ pub struct Statistics {
     pub voxels: Voxels,
     /// The octrees of all surfaces.
     pub octree: Octree,
-    /// The picture; its digests take a while, and are made where all voxels are.
+    /// The picture; its digests take a while, and are made only if the options ask to find all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<Frame>,
     /// Float type of the intervals: `f32` or `f64`.

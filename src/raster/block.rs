@@ -9,6 +9,7 @@ use super::{
     Layer, Source,
     screen::Screen,
     tile::{Tile, TileLists},
+    trace::{Trace, Traced},
     walk::Cells,
 };
 use crate::{
@@ -26,6 +27,9 @@ const MIN_CELL_STEPS: f64 = 1024.0;
 
 /// Voxels of a block are counted in so many bits.
 pub(super) const RANK_BITS: u32 = 3 * BLOCK_LEVELS;
+
+/// So many blocks of a tile can be told apart by what is left of 32 bits.
+pub(super) const MAX_BLOCKS: usize = 1 << (32 - RANK_BITS);
 
 /// Where the voxels of a block are.
 enum Place {
@@ -55,9 +59,11 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// The formula in the block; `shorten` makes it if nobody did.
-    pub(super) fn tape(&self, shorten: impl FnOnce() -> Arc<Tape>) -> Arc<Tape> {
-        self.tape.get_or_init(shorten).clone()
+    /// The layer's formula, which is that of `whole`, shortened to the block, if that can be. It is
+    /// the same whoever asks first.
+    pub(super) fn tape(&self, whole: &Traced<'_>, tracer: &mut dyn Trace) -> Option<Arc<Tape>> {
+        let shorten = || Arc::new(tracer.shortened(whole));
+        (whole.tape.n_choices() > 0).then(|| self.tape.get_or_init(shorten).clone())
     }
 }
 
@@ -189,6 +195,11 @@ impl Blocks {
     /// The blocks that the tile in a column and a row of tiles may show, from front to back.
     pub(super) fn of_tile(&self, place: (usize, usize)) -> impl Iterator<Item = &Block> {
         self.of_tiles.of_tile(place).map(|i| &self.all[i])
+    }
+
+    /// The most blocks that a tile may show.
+    pub(super) fn most_of_a_tile(&self) -> usize {
+        self.of_tiles.longest()
     }
 
     /// What was found on demand.

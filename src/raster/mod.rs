@@ -58,7 +58,8 @@ use screen::Screen;
 /// Also tells what was found of layers whose voxels are found on demand.
 ///
 /// # Errors
-/// [`crate::Error::Interrupted`] if `progress` asks to stop.
+/// [`crate::Error::Interrupted`] if `progress` asks to stop; [`crate::Error::Limit`] if a tile shows
+/// more than 131072 blocks of voxels, unless rays are followed.
 pub fn render(
     layers: &[Layer<'_>],
     models: &[Model],

@@ -4,13 +4,11 @@
 //! voxels into a z-buffer; only at rims rays are followed too: a voxel covers what the surface in it
 //! covers, and no more.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 
 use super::{
     Layer, Shade, Source,
-    block::{Block, BlockMaker, BlockView, Blocks, RANK_BITS},
+    block::{Block, BlockMaker, BlockView, Blocks, MAX_BLOCKS, RANK_BITS},
     resolve::{Shown, shown},
     screen::Screen,
     splat::Splatter,
@@ -206,6 +204,7 @@ impl Painter<'_> {
         points: &[(u32, DVec3, f64)],
         tools: &mut Tools,
     ) -> Vec<f64> {
+        let Tools { tracer, finder } = tools;
         let blocks: Vec<&Block> = self.blocks.of_tile(place).collect();
         let mut order: Vec<usize> = (0..points.len()).collect();
         order.sort_by_key(|&i| points[i].0);
@@ -213,11 +212,14 @@ impl Painter<'_> {
         for of_block in order.chunk_by(|&a, &b| points[a].0 == points[b].0) {
             let block = blocks[points[of_block[0]].0 as usize];
             let Some(tape) = self.layers()[block.layer].tape else { continue };
-            let own = (tape.n_choices() > 0).then(|| block.tape(|| Arc::new(tape.clone())));
-            let tape = own.as_deref().unwrap_or(tape);
             let of_points: Vec<(DVec3, f64)> =
                 of_block.iter().map(|&i| (points[i].1, points[i].2)).collect();
-            for (&i, curvature) in of_block.iter().zip(tools.tracer.curvatures(tape, &of_points)) {
+            let found = self.maker.with(block, &mut **finder, |_, cells| {
+                let whole = Traced { tape, cells, eye: self.screen().eye };
+                let own = block.tape(&whole, &mut **tracer);
+                tracer.curvatures(own.as_deref().unwrap_or(tape), &of_points)
+            });
+            for (&i, curvature) in of_block.iter().zip(found) {
                 curvatures[i] = curvature;
             }
         }
@@ -285,12 +287,9 @@ impl Painter<'_> {
                 meetings.clear();
                 let eye = self.screen().eye;
                 let whole = Traced { tape, cells, eye };
-                if tape.n_choices() > 0 {
-                    let tape = &*block.tape(|| Arc::new(tracer.shortened(&whole)));
-                    tracer.trace(&Traced { tape, ..whole }, &quests, &mut meetings);
-                } else {
-                    tracer.trace(&whole, &quests, &mut meetings);
-                }
+                let own = block.tape(&whole, &mut **tracer);
+                let traced = Traced { tape: own.as_deref().unwrap_or(tape), ..whole };
+                tracer.trace(&traced, &quests, &mut meetings);
                 for meeting in &meetings {
                     let sample = meeting.sample as usize;
                     if meeting.depth < farthest[sample] {
@@ -398,7 +397,6 @@ fn unit(v: DVec3) -> Option<DVec3> {
 
 /// The identity of the first voxel of a tile's block.
 fn first_id(number: usize) -> u32 {
-    // A tile has some 64² samples, and each shows a few blocks.
-    assert!(number < 1 << (32 - RANK_BITS), "a tile shows 131072 blocks at most");
+    assert!(number < MAX_BLOCKS, "checked before the first tile");
     (number as u32) << RANK_BITS
 }

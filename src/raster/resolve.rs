@@ -13,7 +13,8 @@
 //! A bound on the depths alone would have to be far larger: at grazing incidence a ray runs
 //! through the cubes of one sheet for many voxels before it gets to a plane.
 //!
-//! *Silhouettes.* A covered pixel with nothing behind, or with another sheet behind, shows the
+//! *Silhouettes.* Where the surface has a formula, `paint` follows the rays at rims. Elsewhere a covered
+//! pixel with nothing behind, or with another sheet behind, shows the
 //! covering voxel: the outline is that of the union of cubes, the smallest one that is certain to
 //! contain the surface. Just inside it, a ray that passes over the rim meets the first voxels that
 //! face away; their normals are all but at right angles to the ray, as the surface's there is.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::{
     Frame, ImageSettings, Layer, Material, Model, Shade,
-    block::{BlockMaker, Blocks, OnDemandCount},
+    block::{BlockMaker, Blocks, MAX_BLOCKS, OnDemandCount},
     light::Lights,
     paint::{Painter, Seen, Tools},
     screen::Screen,
@@ -68,6 +68,13 @@ pub(super) fn shade(
         return Ok((frame, OnDemandCount::default()));
     }
     let blocks = Blocks::new(layers, screen, simd);
+    if image.shade != Shade::Refine && blocks.most_of_a_tile() > MAX_BLOCKS {
+        return Err(Error::Limit(
+            "a part of the picture shows too many voxels at once; write shade = \"refine\" in \
+             [image], or lower `resolution` in [voxels]"
+                .to_owned(),
+        ));
+    }
     let near = layers.iter().map(Layer::near).fold(f64::INFINITY, f64::min);
     let triangles = Triangles::new(models, screen, near);
     let maker = BlockMaker { layers, screen, candidates: image.candidates };

@@ -61,6 +61,11 @@ impl TileLists {
         Self { n_columns, lists }
     }
 
+    /// The most things that a tile may show.
+    pub(super) fn longest(&self) -> usize {
+        self.lists.iter().map(Vec::len).max().unwrap_or(0)
+    }
+
     /// The numbers of what the tile in a column and a row of tiles may show.
     pub(super) fn of_tile(&self, (column, row): (usize, usize)) -> impl Iterator<Item = usize> {
         self.lists[row * self.n_columns + column].iter().map(|&i| i as usize)

@@ -18,8 +18,7 @@ use super::{
     leaf::{Background, Color, Detail, Number, Numbers, Target, Whole},
     spanned::Spanned,
     spec::{
-        DomainSpec, ImageSpec, OutputSpec, SceneSpec, ScheduleSpec, Section, ShadeSpec,
-        StorageSpec, VoxelsSpec,
+        DomainSpec, ImageSpec, SceneSpec, ScheduleSpec, Section, ShadeSpec, StorageSpec, VoxelsSpec,
     },
 };
 use crate::{
@@ -106,7 +105,7 @@ impl<'a> Lower<'a> {
             schedule: schedule(&spec.voxels.spec),
             view: self.view(&spec.camera),
             image: self.image(spec),
-            outputs: self.outputs(name, &spec.output.spec),
+            outputs: self.outputs(name, spec),
             sources: Sources::default(),
             warnings: Vec::new(),
         }
@@ -231,7 +230,21 @@ impl<'a> Lower<'a> {
         edge
     }
 
-    fn outputs(&mut self, name: &str, spec: &OutputSpec) -> Outputs {
+    fn outputs(&mut self, name: &str, scene: &SceneSpec) -> Outputs {
+        let spec = &scene.output.spec;
+        if let Some(ply) = &spec.ply
+            && *ply.get_ref() != Target::Switch(false)
+            && is_auto(&scene.voxels.spec)
+        {
+            self.errors.push(
+                Diagnostic::new(
+                    ply.span(),
+                    "`ply` holds all voxels, and resolution = \"auto\" finds some",
+                )
+                .label("which voxels?")
+                .help("write a number for `resolution`, or remove `ply`"),
+            );
+        }
         Outputs {
             png: self.file(&format!("{name}.png"), spec.png.as_ref()),
             exr: self.file(&format!("{name}.exr"), spec.exr.as_ref()),

@@ -64,8 +64,8 @@ pub struct BlockVoxels {
     pub effort: Effort,
 }
 
-/// The octants that `wish` keeps, of those that the surface of `tape` may meet, in Morton order. A
-/// deeper octant than `max_level` is not asked for.
+/// The octants that `wish` keeps, of those that the surface of `tape` may meet: level by level, each in
+/// Morton order. The root is divided without asking.
 #[must_use]
 pub fn find_blocks(
     tape: Tape,
@@ -158,7 +158,7 @@ impl<S: Simd> Divider<S> {
 
 /// Finds the voxels of blocks; a thread's own.
 pub trait FindVoxels: Send {
-    /// The voxels of the block at an octant of `lattice`; with normals, if asked for.
+    /// The voxels of the block at an octant of `lattice`.
     fn find(&mut self, octant: &Octant, lattice: &Lattice) -> BlockVoxels;
 }
 
