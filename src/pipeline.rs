@@ -7,7 +7,7 @@ use crate::{
     expr::Tape,
     limits::{self, Memory},
     math::{Lattice, SimdLevel},
-    octree::{Storage, StorageKind},
+    octree::{Detail, Storage, StorageKind},
     output::{self, exr, ply, png},
     progress::{Progress, Unwatched},
     raster::{self, Camera, Drawn, Frame, Layer, Model, Shade, Source},
@@ -141,21 +141,20 @@ fn render_with_all_threads(
 
     let start = Instant::now();
     let tapes: Vec<Tape> = scene.surfaces.iter().map(|surface| surface.expr.tape()).collect();
+    let details: Vec<Detail<'_>> =
+        whole.storages.iter().map(|storage| Detail::new(&**storage, &lattice)).collect();
     let layer = |i: usize| Layer {
-        source: whole
-            .storages
-            .get(i)
-            .map_or(Source::OnDemand { is_auto: scene.is_auto }, |storage| {
-                Source::Stored(&**storage)
-            }),
+        source: details.get(i).map_or(Source::OnDemand { is_auto: scene.is_auto }, Source::Stored),
         lattice: &lattice,
         material: scene.surfaces[i].material,
+        coloring: &scene.surfaces[i].coloring,
         tape: Some(&tapes[i]),
     };
     let layers: Vec<Layer<'_>> = (0..scene.surfaces.len()).map(layer).collect();
     let (frame, seen) =
         raster::render(&layers, &scene.models, &camera, &scene.image, simd, progress)?;
     let rasterize = start.elapsed().as_secs_f64();
+    drop(details);
 
     let stored = whole.n_voxels + seen.voxels;
     let certified = whole.n_certified + seen.certified;

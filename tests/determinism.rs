@@ -41,7 +41,7 @@ fn bits(picture: &Picture) -> String {
 
 #[test]
 fn threads_do_not_show() {
-    for name in ["scene1.toml", "scene2.toml", "solids.toml"] {
+    for name in ["scene1.toml", "scene2.toml", "solids.toml", "still_life.toml"] {
         let scene = load(name);
         for find_all in [true, false] {
             let bits = |threads| bits(&render(&scene, threads, None, find_all));
@@ -55,7 +55,7 @@ fn threads_do_not_show() {
 
 #[test]
 fn instruction_sets_do_not_show() {
-    for name in ["scene1.toml", "scene3.toml", "gyroid.toml", "solids.toml"] {
+    for name in ["scene1.toml", "scene3.toml", "gyroid.toml", "solids.toml", "still_life.toml"] {
         let scene = load(name);
         for find_all in [true, false] {
             let best = bits(&render(&scene, 2, None, find_all));

@@ -19,7 +19,7 @@ const MAY_USE: [(&str, &[&str]); 18] = [
     ("expr", &["diagnostic", "math"]),
     ("eval", &["expr", "math"]),
     ("voxelize", &["eval", "expr", "math", "octree", "progress"]),
-    ("polygons", &[]),
+    ("polygons", &["math"]),
     ("raster", &["eval", "expr", "math", "octree", "polygons", "progress", "voxelize"]),
     ("output", &["math", "octree", "raster"]),
     ("scene", &["diagnostic", "expr", "math", "octree", "polygons", "raster", "voxelize"]),

@@ -33,6 +33,38 @@ fn only_visible_voxels_give_the_same_picture() {
     }
 }
 
+/// Where voxels are smaller than pixels, nodes of the octree stand for them, whatever holds it.
+#[test]
+fn far_away_nodes_stand_for_voxels() {
+    let picture = |shade: &str, storage: &str| {
+        let text = format!(
+            "version = 1\n[[surface]]\nf = 'x^2 + y^2 + z^2 = 1'\n\
+             [voxels]\nresolution = 400\nstorage = '{storage}'\n\
+             [image]\nwidth = 50\nheight = 50\nshade = '{shade}'\n"
+        );
+        let scene = scene::parse(Path::new("ball.toml"), &text).unwrap();
+        pipeline::render(&scene, &Options::default(), &Unwatched).unwrap()
+    };
+    let exact = picture("refine", "octree").frame;
+    for shade in ["voxel", "slab", "status"] {
+        let of_nodes = picture(shade, "octree");
+        let frame = &of_nodes.frame;
+        assert_eq!(frame.surface, exact.surface, "{shade}");
+        let (mut sum, mut n) = (0.0, 0.0);
+        for (&normal, &point) in frame.normal.iter().zip(&exact.position) {
+            let [normal, point] = [normal, point].map(|v| DVec3::from_array(v.map(f64::from)));
+            if point != DVec3::ZERO {
+                sum += normal.angle_between(point).to_degrees();
+                n += 1.0;
+            }
+        }
+        assert!(n > 1000.0 && sum / n < 3.0, "{shade}: {} degrees over {n} pixels", sum / n);
+        for storage in ["pointer", "dense"] {
+            assert_eq!(picture(shade, storage).frame.digest(), frame.digest(), "{shade} {storage}");
+        }
+    }
+}
+
 /// The surface of Scene 2.
 fn lobes(p: DVec3) -> f64 {
     let r = p.length();

@@ -79,12 +79,26 @@ impl Lattice {
     /// than voxels may overhang the domain.
     #[must_use]
     pub fn block(&self, level: u32, ijk: [u64; 3]) -> Self {
-        const SIDE: u32 = 1 << BLOCK_DEPTH;
-        let (cells, half) = self.cells(level + BLOCK_DEPTH);
-        let first = ijk.map(|i| i as f64 * f64::from(SIDE));
+        self.octant(level, ijk, BLOCK_DEPTH)
+    }
+
+    /// The same domain with voxels that are `2^levels` times as large; they may overhang it.
+    ///
+    /// # Panics
+    /// If there are not so many levels.
+    #[must_use]
+    pub fn coarser(&self, levels: u32) -> Self {
+        self.octant(0, [0; 3], self.depth - levels)
+    }
+
+    /// The lattice of the cells `depth` levels below an octant.
+    fn octant(&self, level: u32, ijk: [u64; 3], depth: u32) -> Self {
+        let side = 1 << depth;
+        let (cells, half) = self.cells(level + depth);
+        let first = ijk.map(|i| i as f64 * f64::from(side));
         let n_voxels = [0, 1, 2].map(|axis| {
             let left = (cells[axis] - first[axis]).ceil();
-            left.clamp(1.0, f64::from(SIDE)) as u32
+            left.clamp(1.0, f64::from(side)) as u32
         });
         let corners = [0, 1, 2].map(|axis| {
             let plane = |i: u32| first[axis] + f64::from(i);
@@ -93,7 +107,7 @@ impl Lattice {
         });
         Self {
             n_voxels,
-            depth: BLOCK_DEPTH,
+            depth,
             voxel_size: 2.0 * half,
             middle: self.middle,
             centers: centers(&corners),

@@ -11,6 +11,7 @@ mod morton;
 mod number;
 mod operation;
 mod point;
+mod srgb;
 
 pub use dual::Dual;
 pub use interval::Interval;
@@ -23,3 +24,4 @@ pub use number::{
 };
 pub use operation::{Binary, Slot, Unary};
 pub use point::Point;
+pub use srgb::linear_from_srgb;

@@ -104,6 +104,24 @@ impl LevelMasks {
     }
 }
 
+/// The nodes above voxels with these Morton codes, ascending: `depth` levels, the root's first. Nothing
+/// lies inside.
+pub(super) fn masks_above(mut codes: Vec<u64>, depth: u32) -> Vec<LevelMasks> {
+    let mut levels = Vec::new();
+    for _ in 0..depth {
+        let mut level = LevelMasks::default();
+        let mut parents: Vec<u64> = Vec::new();
+        for children in codes.chunk_by(|a, b| a >> 3 == b >> 3) {
+            parents.push(children[0] >> 3);
+            level.push(children.iter().fold(0, |mask, code| mask | 1 << (code & 7)), 0);
+        }
+        levels.push(level);
+        codes = parents;
+    }
+    levels.reverse();
+    levels
+}
+
 /// The positions of the set bits, ascending.
 pub fn bits(mask: u8) -> impl Iterator<Item = u32> {
     let mut rest = mask;

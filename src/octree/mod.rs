@@ -4,12 +4,15 @@
 //! voxelization produces voxels, a [`Storage`] holds them, rasterization visits them.
 
 mod dense;
+mod detail;
 mod masks;
 mod morton;
 mod normal;
 mod pointer;
 
 pub use dense::{DenseGrid, DenseGridBuilder, dense_grid_bytes};
+pub use detail::{Detail, DetailLevel};
+
 pub use masks::{LevelMasks, NodeState, bits};
 pub use morton::MortonOctree;
 pub use normal::OctNormal;
@@ -109,6 +112,11 @@ pub trait Storage: std::fmt::Debug + Send + Sync {
 
     /// What is known about the voxel at `ijk`.
     fn occupancy(&self, ijk: [u32; 3]) -> Occupancy;
+
+    /// The octree that this is, if it is one.
+    fn as_morton(&self) -> Option<&MortonOctree> {
+        None
+    }
 }
 
 /// Takes voxels one by one, in any order, each once.

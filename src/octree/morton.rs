@@ -6,15 +6,16 @@
 //! in the same order. Shape takes 2.5 bytes a node, 0.7 bytes a voxel on the paper's scenes; normals
 //! take 4 bytes a voxel, and certificates one bit.
 
-use std::hash::Hasher;
+use std::{hash::Hasher, ops::Range};
 
 use fixedbitset::FixedBitSet;
 use siphasher::sip128::{Hasher128, SipHasher13};
 
 use super::{
-    Bytes, LevelMasks, NodeState, Occupancy, OctNormal, Part, Storage, Voxel, masks::bits,
+    Bytes, LevelMasks, NodeState, Occupancy, OctNormal, Part, Storage, Voxel,
+    masks::{bits, masks_above},
 };
-use crate::math::child_of;
+use crate::math::{child_of, morton_encode};
 
 /// An octree of voxels; see the file's text.
 #[derive(Clone, Debug)]
@@ -90,6 +91,46 @@ impl MortonOctree {
         let stored = levels.first().is_some_and(|level| level.len() == 1);
         assert_eq!(stored, root == NodeState::Mixed, "the root is stored if it is mixed");
         Self { levels: levels.into_iter().map(Level::new).collect(), normals, certified, root }
+    }
+
+    /// The voxels of `storage`, without what lies inside.
+    #[must_use]
+    pub fn of(storage: &dyn Storage) -> Self {
+        let mut codes = Vec::with_capacity(storage.voxel_count() as usize);
+        let mut normals = Vec::with_capacity(codes.capacity());
+        let mut certified = FixedBitSet::with_capacity(codes.capacity());
+        for part in storage.parts() {
+            storage.visit(part, &mut |voxel| {
+                codes.push(morton_encode(voxel.ijk));
+                normals.push(voxel.normal);
+                certified.set(voxel.rank as usize, voxel.certified);
+            });
+        }
+        let root = if codes.is_empty() { NodeState::Empty } else { NodeState::Mixed };
+        Self::new(root, masks_above(codes, storage.depth()), normals, certified)
+    }
+
+    /// The number of nodes whose children are voxels.
+    pub(super) fn n_parents(&self) -> usize {
+        self.levels.last().map_or(0, |level| level.masks.len())
+    }
+
+    /// The ranks of the voxels in such a node.
+    pub(super) fn siblings(&self, node: usize) -> Range<u32> {
+        let Some(last) = self.levels.last() else { return 0..0 };
+        let first = last.first_child(node) as u32;
+        first..first + last.masks.mixed[node].count_ones()
+    }
+
+    /// The octree whose voxels are the nodes that have voxels here.
+    pub(super) fn without_last_level(
+        &self,
+        normals: Vec<OctNormal>,
+        certified: FixedBitSet,
+    ) -> Self {
+        let levels = self.levels[..self.levels.len().saturating_sub(1)].to_vec();
+        assert_eq!((normals.len(), certified.len()), (self.n_parents(), self.n_parents()));
+        Self { levels, normals, certified, root: self.root }
     }
 
     /// Number of voxels that the surface provably passes through.
@@ -225,6 +266,10 @@ impl Storage for MortonOctree {
         self.certified[rank as usize]
     }
 
+    fn as_morton(&self) -> Option<&MortonOctree> {
+        Some(self)
+    }
+
     fn find(&self, ijk: [u32; 3]) -> Option<u32> {
         if self.root != NodeState::Mixed {
             return None;
@@ -275,21 +320,7 @@ mod tests {
 
     /// The octree of a set of Morton codes, each voxel's normal telling its code.
     fn octree(codes: &BTreeSet<u64>) -> MortonOctree {
-        let mut nodes: Vec<u64> = codes.iter().copied().collect();
-        let mut levels = Vec::new();
-        for _ in 0..DEPTH {
-            let mut level = LevelMasks::default();
-            let mut parents: Vec<u64> = Vec::new();
-            for code in nodes {
-                if parents.last() != Some(&(code >> 3)) {
-                    parents.push(code >> 3);
-                    level.push(0, 0);
-                }
-                *level.mixed.last_mut().unwrap() |= 1 << (code & 7);
-            }
-            nodes = parents;
-            levels.insert(0, level);
-        }
+        let mut levels = masks_above(codes.iter().copied().collect(), DEPTH);
         let normals = codes.iter().map(|&code| OctNormal::from_bits(code as u32)).collect();
         let certified = codes.iter().map(|code| code.is_multiple_of(3));
         let certified = certified.enumerate().filter(|&(_, is)| is).map(|(i, _)| i);

@@ -53,11 +53,16 @@ impl OctNormal {
     /// Decodes to a unit vector.
     #[must_use]
     pub fn decode(self) -> DVec3 {
+        self.direction().normalize()
+    }
+
+    /// The vector on the octahedron, which is shorter than 1.
+    pub(super) fn direction(self) -> DVec3 {
         let component = |bits: u32| f64::from(bits as u16 as i16) / STEPS;
         let (a, b) = (component(self.0), component(self.0 >> 16));
         let z = 1.0 - a.abs() - b.abs();
         let fold = (-z).max(0.0);
-        DVec3::new(a - sign(a) * fold, b - sign(b) * fold, z).normalize()
+        DVec3::new(a - sign(a) * fold, b - sign(b) * fold, z)
     }
 
     /// The 32 bits as stored.

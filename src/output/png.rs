@@ -3,8 +3,7 @@
 //! The picture is marked as sRGB for old readers and new ones (`sRGB` and `gAMA` chunks).
 //! Where every pixel is opaque there is no alpha channel.
 //!
-//! *Based on:* IEC 61966-2-1 (the sRGB transfer curve); Portable Network Graphics Specification,
-//! third edition, section 11.3.
+//! *Based on:* Portable Network Graphics Specification, third edition, section 11.3.
 
 use std::{io::Write, sync::LazyLock};
 
@@ -13,7 +12,7 @@ use png::{BitDepth, ColorType, Encoder, EncodingError, ScaledFloat, SrgbRenderin
 use rayon::prelude::*;
 
 use super::{SOFTWARE, WriteError};
-use crate::raster::Frame;
+use crate::{math::linear_from_srgb, raster::Frame};
 
 /// The gamma that comes nearest to sRGB, times 100,000, for readers that do not know sRGB.
 const SRGB_GAMMA: u32 = 45455;
@@ -82,10 +81,6 @@ pub(super) fn srgb_code(linear: f32) -> u8 {
 static BORDERS: LazyLock<[f32; 255]> = LazyLock::new(|| {
     std::array::from_fn(|code| linear_from_srgb((code as f64 + 0.5) / 255.0) as f32)
 });
-
-fn linear_from_srgb(s: f64) -> f64 {
-    if s <= 0.04045 { s / 12.92 } else { libm::pow((s + 0.055) / 1.055, 2.4) }
-}
 
 impl From<EncodingError> for WriteError {
     fn from(error: EncodingError) -> Self {

@@ -5,6 +5,7 @@ use std::{io::Cursor, path::Path};
 use glam::DVec3;
 
 use super::{Raw, Refusal, read_bytes};
+use crate::math::linear_from_srgb;
 
 /// All groups of a file together, polygons cut into triangles, with the colours of vertices or
 /// else of materials.
@@ -38,7 +39,9 @@ pub(super) fn read(path: &Path) -> Result<Raw, Refusal> {
             raw.normals.push(vector(&mesh.normals, i).map_or(DVec3::ZERO, wide));
             // Colours in OBJ files are as on the screen.
             let color = vector(&mesh.vertex_color, i).or(base);
-            raw.colors.push(color.map_or([1.0; 3], |color| color.map(linear)));
+            raw.colors.push(color.map_or([1.0; 3], |color| {
+                color.map(|c| linear_from_srgb(f64::from(c.clamp(0.0, 1.0))) as f32)
+            }));
         }
         let beyond = mesh.indices.iter().find(|&&i| i as usize >= n);
         if let Some(i) = beyond {
@@ -48,10 +51,4 @@ pub(super) fn read(path: &Path) -> Result<Raw, Refusal> {
         raw.triangles.extend(triangles.iter().map(|corners| corners.map(|i| first + i)));
     }
     Ok(raw)
-}
-
-/// Linear light of an sRGB component.
-fn linear(v: f32) -> f32 {
-    let v = v.clamp(0.0, 1.0);
-    if v <= 0.04045 { v / 12.92 } else { libm::powf((v + 0.055) / 1.055, 2.4) }
 }

@@ -1,6 +1,10 @@
 //! Blocks: voxels that are drawn together, stored or found when the first tile asks for them.
 
-use std::sync::{Arc, OnceLock};
+use std::{
+    borrow::Cow,
+    collections::HashMap,
+    sync::{Arc, OnceLock},
+};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,7 +19,7 @@ use super::{
 use crate::{
     expr::Tape,
     math::{Aabb, Lattice, SimdLevel},
-    octree::{Part, Storage},
+    octree::{Detail, DetailLevel, Part, Storage},
     voxelize::{BLOCK_LEVELS, BlockVoxels, Effort, FindVoxels, Octant, Wish, find_blocks},
 };
 
@@ -33,8 +37,8 @@ pub(super) const MAX_BLOCKS: usize = 1 << (32 - RANK_BITS);
 
 /// Where the voxels of a block are.
 enum Place {
-    /// In the layer's storage.
-    Part(Part),
+    /// In the layer's storage: at so many levels above the finest.
+    Part(u32, Part),
     /// To be found.
     Octant(Box<(Octant, OnceLock<Found>)>),
 }
@@ -73,9 +77,27 @@ pub(super) struct BlockView<'b> {
     pub(super) storage: &'b dyn Storage,
     pub(super) lattice: &'b Lattice,
     pub(super) part: Part,
+    /// The level of a storage that they are from.
+    level: Option<DetailLevel<'b>>,
 }
 
-impl BlockView<'_> {
+impl<'b> BlockView<'b> {
+    fn of_part(detail: &'b Detail<'_>, up: u32, part: Part) -> Self {
+        let level = detail.level(up);
+        let DetailLevel { storage, lattice, .. } = level;
+        Self { storage, lattice, part, level: Some(level) }
+    }
+
+    fn of_voxels(BlockVoxels { octree, lattice, .. }: &'b BlockVoxels) -> Self {
+        let part = Part { level: 0, index: 0, ijk: [0; 3] };
+        Self { storage: octree, lattice, part, level: None }
+    }
+
+    /// How much the normals in the voxel at `rank` agree, in [0, 1].
+    pub(super) fn coherence(&self, rank: u32) -> f64 {
+        self.level.map_or(1.0, |level| level.coherence(rank))
+    }
+
     /// Lattice coordinates of the block's first voxel.
     pub(super) fn first(&self) -> [u32; 3] {
         self.part.ijk.map(|i| i << (self.storage.depth() - self.part.level))
@@ -92,48 +114,55 @@ pub(super) struct BlockMaker<'a> {
 }
 
 impl BlockMaker<'_> {
-    /// Calls `look` with the voxels of a block and their cells, found by `finder` if need be.
-    pub(super) fn with<T>(
-        &self,
-        block: &Block,
+    /// The voxels of a block, found by `finder` if need be.
+    pub(super) fn open<'b>(
+        &'b self,
+        block: &'b Block,
         finder: &mut dyn FindVoxels,
-        look: impl FnOnce(BlockView<'_>, &Cells) -> T,
-    ) -> T {
-        let layer = &self.layers[block.layer];
-        match (&block.place, layer.source) {
-            (Place::Part(part), Source::Stored(storage)) => {
-                let view = BlockView { storage, lattice: layer.lattice, part: *part };
-                look(view, &self.cells(view, layer.lattice))
+    ) -> BlockView<'b> {
+        if let Place::Octant(octant) = &block.place {
+            let (octant, found) = &**octant;
+            let lattice = self.layers[block.layer].lattice;
+            found.get_or_init(|| {
+                let voxels = finder.find(octant, lattice);
+                let cells = self.cells_in(BlockView::of_voxels(&voxels), lattice);
+                Found { voxels, cells }
+            });
+        }
+        self.view(block)
+    }
+
+    /// The voxels of a block that was opened before.
+    pub(super) fn view<'b>(&'b self, block: &'b Block) -> BlockView<'b> {
+        match (&block.place, self.layers[block.layer].source) {
+            (Place::Part(up, part), Source::Stored(detail)) => {
+                BlockView::of_part(detail, *up, *part)
             }
-            (Place::Octant(octant), _) => {
-                let (octant, found) = &**octant;
-                let Found { voxels, cells } = found.get_or_init(|| {
-                    let voxels = finder.find(octant, layer.lattice);
-                    let cells = self.cells(view_of(&voxels), layer.lattice);
-                    Found { voxels, cells }
-                });
-                look(view_of(voxels), cells)
-            }
-            (Place::Part(_), Source::OnDemand { .. }) => {
+            (Place::Octant(octant), _) => match octant.1.get() {
+                Some(found) => BlockView::of_voxels(&found.voxels),
+                None => unreachable!("it was opened"),
+            },
+            (Place::Part(..), Source::OnDemand { .. }) => {
                 unreachable!("parts are those of a storage")
             }
         }
     }
 
-    /// The voxels of a block for which [`BlockMaker::with`] was called before.
-    pub(super) fn view<'b>(&'b self, block: &'b Block) -> Option<BlockView<'b>> {
-        let layer = &self.layers[block.layer];
-        match (&block.place, layer.source) {
-            (Place::Part(part), Source::Stored(storage)) => {
-                Some(BlockView { storage, lattice: layer.lattice, part: *part })
+    /// The cells of a block that was opened before.
+    pub(super) fn cells<'b>(&self, block: &'b Block) -> Cow<'b, Cells> {
+        match &block.place {
+            Place::Octant(octant) => match octant.1.get() {
+                Some(found) => Cow::Borrowed(&found.cells),
+                None => unreachable!("it was opened"),
+            },
+            Place::Part(..) => {
+                Cow::Owned(self.cells_in(self.view(block), self.layers[block.layer].lattice))
             }
-            (Place::Octant(octant), _) => octant.1.get().map(|found| view_of(&found.voxels)),
-            _ => None,
         }
     }
 
     /// The cells of a block's voxels, cut to the domain.
-    fn cells(&self, view: BlockView<'_>, domain: &Lattice) -> Cells {
+    fn cells_in(&self, view: BlockView<'_>, domain: &Lattice) -> Cells {
         let eye = self.screen.eye;
         let first = view.first();
         let corner = [0, 1, 2].map(|axis| view.lattice.corner(axis, first[axis]));
@@ -148,11 +177,6 @@ impl BlockMaker<'_> {
         }
         cells
     }
-}
-
-fn view_of(voxels: &BlockVoxels) -> BlockView<'_> {
-    let part = Part { level: 0, index: 0, ijk: [0; 3] };
-    BlockView { storage: &voxels.octree, lattice: &voxels.lattice, part }
 }
 
 /// What was found of layers whose voxels are found on demand.
@@ -177,10 +201,7 @@ impl Blocks {
         let mut all: Vec<Block> = Vec::new();
         for (number, layer) in layers.iter().enumerate() {
             match layer.source {
-                Source::Stored(storage) => {
-                    let block = |part| stored(layer, storage, number, part, screen);
-                    all.par_extend(storage.parts().into_par_iter().filter_map(block));
-                }
+                Source::Stored(detail) => all.extend(stored(layer, detail, number, screen)),
                 Source::OnDemand { is_auto } => {
                     all.extend(on_demand(layer, number, is_auto, screen, simd));
                 }
@@ -219,21 +240,51 @@ impl Blocks {
     }
 }
 
-/// A part of a storage, unless it is out of the picture.
-fn stored(
-    layer: &Layer<'_>,
-    storage: &dyn Storage,
-    number: usize,
-    part: Part,
-    screen: &Screen,
-) -> Option<Block> {
-    let levels_up = storage.depth() - part.level;
-    let corner = |end: u32| {
-        let plane = |axis: usize| layer.lattice.corner(axis, (part.ijk[axis] + end) << levels_up);
-        DVec3::from_array([0, 1, 2].map(plane))
+/// The parts of a storage that may show, each of the coarsest level whose voxels are no larger than
+/// pixels.
+fn stored(layer: &Layer<'_>, detail: &Detail<'_>, number: usize, screen: &Screen) -> Vec<Block> {
+    let finest = detail.level(0);
+    let bounds = |up: u32, part: &Part| {
+        let levels = finest.storage.depth() - part.level;
+        let corner = |end: u32| {
+            let plane = |axis: usize| {
+                let node = (part.ijk[axis] >> up) + end;
+                layer.lattice.corner(axis, node << (levels + up))
+            };
+            DVec3::from_array([0, 1, 2].map(plane))
+        };
+        Aabb { min: corner(0), max: corner(1) }
     };
-    let bounds = Aabb { min: corner(0), max: corner(1) };
-    block(layer, number, &bounds, screen, Place::Part(part))
+    // The larger a node, the nearer it comes: what is too large for some level is for all above.
+    let is_fine = |up: u32, part: &Part| {
+        let voxel = layer.lattice.voxel_size() * f64::from(1_u32 << up);
+        extent(&bounds(up, part), screen, layer.near(), 0.0)
+            .is_some_and(|(_, nearest)| voxel <= CELL_PX * screen.pixel_size(nearest))
+    };
+    let level_of = |part: &Part| {
+        let coarser = 1..=detail.n_coarser().min(part.level);
+        coarser.take_while(|&up| is_fine(up, part)).last().unwrap_or(0)
+    };
+    let parts = finest.storage.parts();
+    let mut chosen: Vec<(u32, Part)> =
+        parts.into_par_iter().map(|part| (level_of(&part), part)).collect();
+    // Parts below one node are neighbours, and choose alike.
+    let node = |&(up, part): &(u32, Part)| (up, part.ijk.map(|i| i >> up));
+    chosen.dedup_by_key(|of_part| node(of_part));
+    let mut nodes: HashMap<(u32, [u32; 3]), Part> = HashMap::new();
+    for of_level in chosen.chunk_by(|a, b| a.0 == b.0) {
+        let (up, part) = of_level[0];
+        if up > 0 && !nodes.contains_key(&node(&(up, part))) {
+            let of_level = detail.nodes(up, part.level - up).into_iter();
+            nodes.extend(of_level.map(|node| ((up, node.ijk), node)));
+        }
+    }
+    let make = |of_part: (u32, Part)| {
+        let (up, part) = of_part;
+        let place = Place::Part(up, nodes.get(&node(&of_part)).copied().unwrap_or(part));
+        block(layer, number, &bounds(up, &part), screen, place)
+    };
+    chosen.into_par_iter().filter_map(make).collect()
 }
 
 /// The octants that may show, as blocks of cells of a pixel or a voxel.

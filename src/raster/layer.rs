@@ -3,14 +3,18 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Content, Material, Model, fit::fold_reach};
-use crate::{expr::Tape, math::Lattice, octree::Storage};
+use super::{Coloring, Content, Material, Model, fit::fold_reach};
+use crate::{
+    expr::Tape,
+    math::Lattice,
+    octree::{Detail, Storage},
+};
 
 /// Where the voxels of a surface come from.
 #[derive(Clone, Copy)]
 pub enum Source<'a> {
     /// All of them were found.
-    Stored(&'a dyn Storage),
+    Stored(&'a Detail<'a>),
     /// They are found where the picture shows them.
     OnDemand {
         /// Whether they are made as small as pixels, and not as the lattice says.
@@ -27,6 +31,8 @@ pub struct Layer<'a> {
     pub lattice: &'a Lattice,
     /// How they look.
     pub material: Material,
+    /// What gives them their colour.
+    pub coloring: &'a Coloring,
     /// The formula that they come from, if there is one.
     pub tape: Option<&'a Tape>,
 }

@@ -11,16 +11,21 @@
 //! as its mirror image before it, and only well beyond does the back have its own light. The colour
 //! of the back fades in the same way.
 //!
+//! *A matcap* is a picture of a ball that stands for all light (`matcap`).
+//!
 //! For the light a normal that points away from the viewer is turned around; the normal layer keeps
 //! the outward one.
 //!
 //! *Based on:* J. Blinn, "Models of Light Reflection for Computer Synthesized Pictures", SIGGRAPH
 //! 1977 (the highlight).
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::{
-    Axes, Light, Material,
+    Axes, ImageSettings, Light, Material,
+    matcap::Matcap,
     screen::{Ray, Screen},
 };
 
@@ -48,6 +53,27 @@ pub(super) enum Lights {
     },
     /// The scene's.
     Placed(Vec<Lamp>),
+    /// A picture, with the picture's right and up.
+    Matcap {
+        /// A picture of a ball.
+        matcap: Arc<Matcap>,
+        /// The way to the right in the picture, of length 1.
+        right: DVec3,
+    },
+}
+
+/// The light that gets to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Reach {
+    /// Bit i: whether the light number i does.
+    pub(super) lights: u64,
+    /// The part of the surroundings that is open, in [0, 1].
+    pub(super) open: f32,
+}
+
+impl Reach {
+    /// Nothing is in the way.
+    pub(super) const ALL: Self = Self { lights: u64::MAX, open: 1.0 };
 }
 
 /// A light from far away.
@@ -65,25 +91,44 @@ struct Reflected {
     glossy: DVec3,
 }
 
+/// From the picture's right, up and towards the viewer to scene coordinates.
+fn world(v: DVec3, screen: &Screen) -> DVec3 {
+    v.x * screen.right + v.y * screen.up - v.z * screen.forward
+}
+
+/// The unit vector towards a light, in scene coordinates.
+pub(super) fn towards(light: &Light, screen: &Screen) -> DVec3 {
+    match light.axes {
+        Axes::Scene => light.direction.normalize(),
+        Axes::Camera => world(light.direction, screen).normalize(),
+    }
+}
+
 impl Lights {
-    /// The scene's `lights`, or the camera's own if there are none.
-    pub(super) fn new(lights: &[Light], screen: &Screen) -> Self {
-        let world = |v: DVec3| v.x * screen.right + v.y * screen.up - v.z * screen.forward;
-        if lights.is_empty() {
-            return Self::Headlight { tilt: world(TILT), lamp: world(LAMP).normalize() };
+    /// The picture's matcap, or the scene's lights, or else the camera's own.
+    pub(super) fn new(image: &ImageSettings, screen: &Screen) -> Self {
+        if let Some(matcap) = &image.matcap {
+            return Self::Matcap { matcap: matcap.clone(), right: screen.right };
+        }
+        if image.lights.is_empty() {
+            let (tilt, lamp) = (world(TILT, screen), world(LAMP, screen).normalize());
+            return Self::Headlight { tilt, lamp };
         }
         let lamp = |light: &Light| Lamp {
-            direction: match light.axes {
-                Axes::Scene => light.direction.normalize(),
-                Axes::Camera => world(light.direction).normalize(),
-            },
+            direction: towards(light, screen),
             color: light.intensity * DVec3::from_array(light.color.map(f64::from)),
         };
-        Self::Placed(lights.iter().map(lamp).collect())
+        Self::Placed(image.lights.iter().map(lamp).collect())
     }
 
-    /// The light that an opaque surface sends back along a ray.
-    pub(super) fn reflected(&self, material: &Material, outward: DVec3, ray: &Ray) -> [f32; 4] {
+    /// The light that an opaque surface sends back along a ray; `reach` tells what gets to it.
+    pub(super) fn reflected(
+        &self,
+        material: &Material,
+        outward: DVec3,
+        ray: &Ray,
+        reach: Reach,
+    ) -> [f32; 4] {
         let to_viewer = -ray.direction.normalize();
         let facing = outward.dot(to_viewer);
         let back = backness(-facing);
@@ -92,17 +137,29 @@ impl Lights {
                 let n = if facing < 0.0 { -outward } else { outward };
                 headlight(*tilt, *lamp, n, to_viewer, material)
             }
-            Self::Placed(lamps) if facing >= 0.0 => lit(lamps, outward, to_viewer, material),
             Self::Placed(lamps) => {
-                let mirrored = outward - 2.0 * facing * to_viewer;
-                let rim = lit(lamps, mirrored, to_viewer, material);
-                rim.mixed(lit(lamps, -outward, to_viewer, material), back)
+                let lit = |n: DVec3| lit(lamps, reach.lights, n, to_viewer, material);
+                if facing >= 0.0 {
+                    lit(outward)
+                } else {
+                    let mirrored = outward - 2.0 * facing * to_viewer;
+                    lit(mirrored).mixed(lit(-outward), back)
+                }
+            }
+            Self::Matcap { matcap, right } => {
+                let n = if facing < 0.0 { -outward } else { outward };
+                // Right and up at right angles to the ray, so that every rim is the ball's.
+                let up = to_viewer.cross(*right).normalize();
+                let seen = DVec3::new(n.dot(up.cross(to_viewer)), n.dot(up), n.dot(to_viewer));
+                Reflected { matte: matcap.light(seen), glossy: DVec3::ZERO }
             }
         };
+        let open = f64::from(reach.open);
+        let back_color = material.back_color.unwrap_or(material.color);
         let channel = |c: usize| {
-            let (front, behind) = (f64::from(material.color[c]), f64::from(material.back_color[c]));
+            let (front, behind) = (f64::from(material.color[c]), f64::from(back_color[c]));
             let color = front + back * (behind - front);
-            (color * matte[c] + glossy[c]) as f32
+            (open * (color * matte[c] + glossy[c])) as f32
         };
         [channel(0), channel(1), channel(2), 1.0]
     }
@@ -137,9 +194,11 @@ fn headlight(
     Reflected { matte: DVec3::splat(matte), glossy: DVec3::splat(glossy) }
 }
 
-fn lit(lamps: &[Lamp], n: DVec3, to_viewer: DVec3, material: &Material) -> Reflected {
+/// By the lamps whose bits in `reach` are set, and by what comes from everywhere.
+fn lit(lamps: &[Lamp], reach: u64, n: DVec3, to_viewer: DVec3, material: &Material) -> Reflected {
     let mut sum = Reflected { matte: DVec3::splat(AMBIENT), glossy: DVec3::ZERO };
-    for lamp in lamps {
+    let lamps = lamps.iter().enumerate().filter(|&(i, _)| reach >> i & 1 == 1);
+    for (_, lamp) in lamps {
         let facing = n.dot(lamp.direction).max(0.0);
         let glossy = f64::from(material.specular) * facing;
         sum.matte += DIFFUSE * facing * lamp.color;
@@ -152,6 +211,22 @@ fn lit(lamps: &[Lamp], n: DVec3, to_viewer: DVec3, material: &Material) -> Refle
 fn highlight(lamp: DVec3, n: DVec3, to_viewer: DVec3, material: &Material) -> f64 {
     let halfway = (lamp + to_viewer).normalize_or_zero();
     power(n.dot(halfway).max(0.0), material.shininess)
+}
+
+impl Material {
+    /// The material where normals agree by `coherence`, in [0, 1]: highlights are wider and weaker.
+    ///
+    /// *Based on:* M. Toksvig, "Mipmapping Normal Maps", Journal of Graphics Tools 2005.
+    pub(super) fn widened(self, coherence: f64) -> Self {
+        if coherence >= 1.0 {
+            return self;
+        }
+        let shininess = f64::from(self.shininess);
+        let part = coherence / (coherence + shininess * (1.0 - coherence));
+        let wider = (part * shininess).round_ties_even().max(1.0);
+        let weaker = self.specular * ((1.0 + wider) / (1.0 + shininess)) as f32;
+        Self { shininess: wider as u32, specular: weaker, ..self }
+    }
 }
 
 /// x to the n by repeated multiplication, the same on every platform.
@@ -174,7 +249,7 @@ mod tests {
     const RAY: Ray = Ray { origin: DVec3::ZERO, direction: DVec3::NEG_Z };
     const MATERIAL: Material = Material {
         color: [0.8, 0.5, 0.2],
-        back_color: [0.1, 0.3, 0.9],
+        back_color: Some([0.1, 0.3, 0.9]),
         specular: 0.5,
         shininess: 20,
     };
@@ -193,29 +268,51 @@ mod tests {
     #[test]
     fn both_sides_look_the_same_in_one_colour() {
         let lights = Lights::Headlight { tilt: 0.3 * DVec3::Y, lamp: DVec3::Z };
-        let material = Material { back_color: MATERIAL.color, ..MATERIAL };
+        let material = Material { back_color: None, ..MATERIAL };
         let n = DVec3::new(0.3, 0.1, 0.9).normalize();
-        assert_eq!(lights.reflected(&material, n, &RAY), lights.reflected(&material, -n, &RAY));
+        let seen = |n: DVec3| lights.reflected(&material, n, &RAY, Reach::ALL);
+        assert_eq!(seen(n), seen(-n));
     }
 
     #[test]
     fn front_and_back_have_their_colours() {
         let lights = placed(DVec3::Z);
         let matte = Material { specular: 0.0, ..MATERIAL };
-        let [r, g, b, _] = lights.reflected(&matte, DVec3::Z, &RAY);
+        let [r, g, b, _] = lights.reflected(&matte, DVec3::Z, &RAY, Reach::ALL);
         assert_eq!([r, g, b], matte.color.map(|c| (f64::from(c) * (AMBIENT + DIFFUSE)) as f32));
-        let [r, g, b, _] = lights.reflected(&matte, DVec3::NEG_Z, &RAY);
+        let [r, g, b, _] = lights.reflected(&matte, DVec3::NEG_Z, &RAY, Reach::ALL);
         assert_eq!(
             [r, g, b],
-            matte.back_color.map(|c| (f64::from(c) * (AMBIENT + DIFFUSE)) as f32)
+            [0.1, 0.3, 0.9].map(|c: f32| (f64::from(c) * (AMBIENT + DIFFUSE)) as f32)
         );
     }
 
     #[test]
     fn a_lamp_behind_the_surface_gives_no_light() {
         let lights = placed(DVec3::NEG_Z);
-        let [r, ..] = lights.reflected(&MATERIAL, DVec3::Z, &RAY);
+        let [r, ..] = lights.reflected(&MATERIAL, DVec3::Z, &RAY, Reach::ALL);
         assert_eq!(r, (f64::from(MATERIAL.color[0]) * AMBIENT) as f32);
+    }
+
+    #[test]
+    fn a_light_that_does_not_get_there_gives_none() {
+        let lights = placed(DVec3::Z);
+        let shadow = Reach { lights: 0, open: 0.5 };
+        let [r, ..] = lights.reflected(&MATERIAL, DVec3::Z, &RAY, shadow);
+        assert_eq!(r, (0.5 * f64::from(MATERIAL.color[0]) * AMBIENT) as f32);
+    }
+
+    #[test]
+    fn a_matcap_shows_its_middle_to_the_viewer_and_its_rim_at_rims() {
+        let pixels = (0..25).map(|i| [(i % 5) as f32 / 4.0, (i / 5) as f32 / 4.0, 0.0]).collect();
+        let matcap = Arc::new(Matcap::new(5, pixels).unwrap());
+        let lights = Lights::Matcap { matcap, right: DVec3::X };
+        let white = Material { color: [1.0; 3], back_color: None, ..MATERIAL };
+        let seen = |n: DVec3| lights.reflected(&white, n, &RAY, Reach::ALL);
+        assert_eq!(seen(DVec3::Z), [0.5, 0.5, 0.0, 1.0]);
+        assert_eq!(seen(DVec3::X), [0.75, 0.5, 0.0, 1.0]);
+        assert_eq!(seen(DVec3::Y), [0.5, 0.25, 0.0, 1.0]);
+        assert_eq!(seen(DVec3::NEG_Z), seen(DVec3::Z));
     }
 
     /// No outline may speckle: nearly equal normals look nearly the same, whichever way they face.
@@ -224,7 +321,7 @@ mod tests {
         let lights = placed(DVec3::new(1.0, 0.4, -0.2));
         let at = |angle: f64| {
             let n = DVec3::new(libm::cos(angle), 0.0, libm::sin(angle));
-            lights.reflected(&MATERIAL, n, &RAY)
+            lights.reflected(&MATERIAL, n, &RAY, Reach::ALL)
         };
         for step in -1500..1500 {
             let (a, b) = (at(f64::from(step) * 1e-3), at(f64::from(step + 1) * 1e-3));

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::{Content, Layer, Material, Source, layer::Drawn};
+use super::{Coloring, Content, Layer, Material, Source, layer::Drawn};
 use crate::{
     math::{Aabb, Lattice, morton_encode},
-    octree::{Bytes, Occupancy, OctNormal, Part, Storage, Voxel},
+    octree::{Bytes, Detail, Occupancy, OctNormal, Part, Storage, Voxel},
 };
 
 /// Parts are nodes this many levels above the voxels.
@@ -74,8 +74,11 @@ impl Mock {
     }
 
     pub(super) fn layer(&self, color: [f32; 3]) -> Layer<'_> {
-        let material = Material { color, back_color: color, specular: 0.3, shininess: 40 };
-        Layer { source: Source::Stored(self), lattice: &self.lattice, material, tape: None }
+        let material = Material { color, back_color: None, specular: 0.3, shininess: 40 };
+        // Tests end soon.
+        let detail = Box::leak(Box::new(Detail::new(self, &self.lattice)));
+        let (source, lattice) = (Source::Stored(detail), &self.lattice);
+        Layer { source, lattice, material, coloring: &Coloring::Plain, tape: None }
     }
 }
 

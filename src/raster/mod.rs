@@ -4,8 +4,8 @@
 //! may show, the nearest first (`tile`). What a sample shows is found by `paint`: its ray goes
 //! through the voxels to the surface itself (`walk`, `trace`), or the voxels are drawn into a
 //! z-buffer, each a small cube that is projected by itself, like a point (`splat`, `zbuffer`,
-//! `resolve`). Polygon models come last (`triangles`). Then samples are lit and become pixels
-//! (`shade`, `light`).
+//! `resolve`). Polygon models come last (`triangles`). Then samples get their colours (`color`) and
+//! their light (`shadow`, `occlusion`, `light`, `matcap`), and become pixels (`shade`).
 //!
 //! The picture is the same bits for any number of threads.
 //!
@@ -17,18 +17,22 @@
 
 mod block;
 mod camera;
+mod color;
 mod digest;
 mod fit;
 mod frame;
 mod layer;
 mod light;
+mod matcap;
 #[cfg(test)]
 mod mock;
+mod occlusion;
 mod paint;
 mod resolve;
 mod screen;
 mod settings;
 mod shade;
+mod shadow;
 mod splat;
 #[cfg(test)]
 mod tests;
@@ -44,12 +48,15 @@ pub use digest::{FrameDigest, PlaneDigest};
 pub use fit::Content;
 pub use frame::Frame;
 pub use layer::{Drawn, Layer, Source};
-pub use settings::{Axes, ImageSettings, Light, Material, Placement, Projection, Shade, View};
+pub use matcap::Matcap;
+pub use settings::{
+    Axes, ColorMap, Coloring, ImageSettings, Light, Material, Palette, Placement, Projection,
+    Quantity, Shade, View,
+};
 
 pub use triangles::Model;
 
 use crate::{Result, math::SimdLevel, progress::Progress};
-use screen::Screen;
 
 /// Draws `layers` and `models` as `camera` sees them.
 ///
@@ -68,6 +75,5 @@ pub fn render(
     simd: SimdLevel,
     progress: &dyn Progress,
 ) -> Result<(Frame, OnDemandCount)> {
-    let screen = Screen::new(camera, image.width, image.height, image.samples);
-    shade::shade(layers, models, &screen, image, simd, progress)
+    shade::shade(layers, models, camera, image, simd, progress)
 }

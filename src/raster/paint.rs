@@ -9,8 +9,9 @@ use glam::DVec3;
 use super::{
     Layer, Shade, Source,
     block::{Block, BlockMaker, BlockView, Blocks, MAX_BLOCKS, RANK_BITS},
+    light::Reach,
     resolve::{Shown, shown},
-    screen::Screen,
+    screen::{Ray, Screen},
     splat::Splatter,
     tile::Tile,
     trace::{Meeting, Quest, Trace, Traced},
@@ -32,10 +33,14 @@ pub(super) struct Seen {
     pub(super) certified: bool,
     /// Edge of the voxel.
     pub(super) voxel_size: f64,
+    /// How much the normals in it agree, in [0, 1].
+    pub(super) coherence: f64,
     /// The number of its block among those of the tile; `None` on models.
     pub(super) block: Option<u32>,
     /// What the material's colour is multiplied by.
     pub(super) tint: [f32; 3],
+    /// The light that gets there.
+    pub(super) reach: Reach,
 }
 
 /// The material's colour as it is.
@@ -65,8 +70,19 @@ impl Painter<'_> {
     ) -> Vec<Option<Seen>> {
         let blocks: Vec<&Block> = self.blocks.of_tile(place).collect();
         let mut seen = self.surfaces(&blocks, tile, tools);
-        self.triangles.draw(place, tile, self.layers().len(), &mut seen);
+        self.triangles.draw(self.screen(), place, tile, self.layers().len(), &mut seen);
         seen
+    }
+
+    /// The ray of a sample of the tile.
+    pub(super) fn ray(&self, tile: &Tile, sample: usize) -> Ray {
+        let (column, row) = tile.place(sample);
+        self.screen().ray(column, row)
+    }
+
+    /// The point that a sample of the tile shows, in scene coordinates.
+    pub(super) fn point(&self, tile: &Tile, sample: usize, seen: &Seen) -> DVec3 {
+        self.screen().eye + self.ray(tile, sample).at(seen.depth)
     }
 
     fn layers(&self) -> &[Layer<'_>] {
@@ -101,7 +117,7 @@ impl Painter<'_> {
                 if self.shade == Shade::Slab {
                     for (sample, seen) in seen.iter_mut().enumerate() {
                         if let Some(seen) = seen {
-                            seen.normal = self.blended(tile, sample, seen);
+                            seen.normal = self.blended(blocks, tile, sample, seen);
                         }
                     }
                 }
@@ -128,10 +144,10 @@ impl Painter<'_> {
             }
             let near = self.layers()[block.layer].near();
             let first_id = first_id(number);
-            first_ranks[number] = self.maker.with(block, &mut *tools.finder, |view, _| {
-                let candidates = self.maker.candidates;
-                draw(&Splatter::new(view, first_id, self.screen(), near, candidates), zbuffer)
-            });
+            let view = self.maker.open(block, &mut *tools.finder);
+            let candidates = self.maker.candidates;
+            let splatter = Splatter::new(view, first_id, self.screen(), near, candidates);
+            first_ranks[number] = draw(&splatter, zbuffer);
         }
         first_ranks
     }
@@ -140,7 +156,7 @@ impl Painter<'_> {
     fn seen(&self, blocks: &[&Block], first_ranks: &[u32], Hit { depth, id }: Hit) -> Seen {
         let number = (id >> RANK_BITS) as usize;
         let block = blocks[number];
-        let view = self.maker.view(block).unwrap_or_else(|| unreachable!("it was drawn"));
+        let view = self.maker.view(block);
         let rank = first_ranks[number] + (id & ((1 << RANK_BITS) - 1));
         Seen {
             layer: block.layer,
@@ -148,8 +164,10 @@ impl Painter<'_> {
             normal: view.storage.normal(rank).decode(),
             certified: view.storage.is_certified(rank),
             voxel_size: view.lattice.voxel_size(),
+            coherence: view.coherence(rank),
             block: Some(number as u32),
             tint: UNTINTED,
+            reach: Reach::ALL,
         }
     }
 
@@ -214,11 +232,10 @@ impl Painter<'_> {
             let Some(tape) = self.layers()[block.layer].tape else { continue };
             let of_points: Vec<(DVec3, f64)> =
                 of_block.iter().map(|&i| (points[i].1, points[i].2)).collect();
-            let found = self.maker.with(block, &mut **finder, |_, cells| {
-                let whole = Traced { tape, cells, eye: self.screen().eye };
-                let own = block.tape(&whole, &mut **tracer);
-                tracer.curvatures(own.as_deref().unwrap_or(tape), &of_points)
-            });
+            self.maker.open(block, &mut **finder);
+            let cells = &self.maker.cells(block);
+            let own = block.tape(&Traced { tape, cells, eye: self.screen().eye }, &mut **tracer);
+            let found = tracer.curvatures(own.as_deref().unwrap_or(tape), &of_points);
             for (&i, curvature) in of_block.iter().zip(found) {
                 curvatures[i] = curvature;
             }
@@ -270,35 +287,36 @@ impl Painter<'_> {
             if !part.rows.clone().any(is_open) {
                 continue;
             }
-            self.maker.with(block, &mut **finder, |view, cells| {
-                let depths = self.depths(cells, layer.near(), &part);
-                quests.clear();
-                for row in part.rows.clone() {
-                    for column in part.columns.clone() {
-                        let sample = tile.sample(column, row);
-                        let Span { from, to } = depths[part.sample(column, row)];
-                        let farthest = farthest[sample].min(to);
-                        if from < farthest {
-                            let ray = self.screen().ray(column, row);
-                            quests.push(Quest { sample: sample as u32, ray, from, farthest });
-                        }
+            let view = self.maker.open(block, &mut **finder);
+            let cells = &*self.maker.cells(block);
+            let depths = self.depths(cells, layer.near(), &part);
+            quests.clear();
+            for row in part.rows.clone() {
+                for column in part.columns.clone() {
+                    let sample = tile.sample(column, row);
+                    let Span { from, to } = depths[part.sample(column, row)];
+                    let farthest = farthest[sample].min(to);
+                    if from < farthest {
+                        let ray = self.screen().ray(column, row);
+                        quests.push(Quest { sample: sample as u32, ray, from, farthest });
                     }
                 }
-                meetings.clear();
-                let eye = self.screen().eye;
-                let whole = Traced { tape, cells, eye };
-                let own = block.tape(&whole, &mut **tracer);
-                let traced = Traced { tape: own.as_deref().unwrap_or(tape), ..whole };
-                tracer.trace(&traced, &quests, &mut meetings);
-                for meeting in &meetings {
-                    let sample = meeting.sample as usize;
-                    if meeting.depth < farthest[sample] {
-                        farthest[sample] = meeting.depth;
-                        seen[sample] =
-                            Some(self.met((number, block), view, tile, meeting, of_voxels));
-                    }
+            }
+            meetings.clear();
+            let eye = self.screen().eye;
+            let whole = Traced { tape, cells, eye };
+            let own = block.tape(&whole, &mut **tracer);
+            let traced = Traced { tape: own.as_deref().unwrap_or(tape), ..whole };
+            tracer.trace(&traced, &quests, &mut meetings);
+            let gradients = tracer.gradients(&traced, &quests, &meetings);
+            for (meeting, gradient) in meetings.iter().zip(gradients) {
+                let sample = meeting.sample as usize;
+                if meeting.depth < farthest[sample] {
+                    farthest[sample] = meeting.depth;
+                    let normal = (gradient, of_voxels);
+                    seen[sample] = Some(self.met((number, block), view, tile, meeting, normal));
                 }
-            });
+            }
         }
     }
 
@@ -324,19 +342,20 @@ impl Painter<'_> {
         depths
     }
 
-    /// What a sample shows whose ray meets the surface.
+    /// What a sample shows whose ray meets the surface, with the gradient there, or the voxel's
+    /// normal if that is wanted.
     fn met(
         &self,
         (number, block): (u32, &Block),
         view: BlockView<'_>,
         tile: &Tile,
         meeting: &Meeting,
-        of_voxels: bool,
+        (gradient, of_voxels): (DVec3, bool),
     ) -> Seen {
         let BlockView { storage, lattice, .. } = view;
         let (column, row) = tile.place(meeting.sample as usize);
         let point = self.screen().eye + self.screen().ray(column, row).at(meeting.depth);
-        let Meeting { depth, gradient, .. } = *meeting;
+        let depth = meeting.depth;
         let own = unit(gradient).filter(|_| !of_voxels);
         let rank = storage.find(lattice.voxel_at(point));
         let normal = own.or_else(|| rank.map(|rank| storage.normal(rank).decode()));
@@ -346,20 +365,21 @@ impl Painter<'_> {
             normal: normal.or_else(|| unit(gradient)).unwrap_or(DVec3::Z),
             certified: rank.is_some_and(|rank| storage.is_certified(rank)),
             voxel_size: lattice.voxel_size(),
+            coherence: 1.0,
             block: Some(number),
             tint: UNTINTED,
+            reach: Reach::ALL,
         }
     }
 
     /// The normal between those of the voxels around, as far as they belong to the same sheet.
-    fn blended(&self, tile: &Tile, sample: usize, seen: &Seen) -> DVec3 {
-        let Layer { source: Source::Stored(storage), lattice, .. } = self.layers()[seen.layer]
-        else {
-            return seen.normal;
-        };
-        let (column, row) = tile.place(sample);
-        let point = self.screen().eye + self.screen().ray(column, row).at(seen.depth);
-        let at = (point - lattice.bounds().min) / lattice.voxel_size() - 0.5;
+    fn blended(&self, blocks: &[&Block], tile: &Tile, sample: usize, seen: &Seen) -> DVec3 {
+        let of_layer =
+            seen.block.filter(|_| matches!(self.layers()[seen.layer].source, Source::Stored(_)));
+        let view = of_layer.map(|number| self.maker.view(blocks[number as usize]));
+        let Some(BlockView { storage, lattice, .. }) = view else { return seen.normal };
+        let at =
+            (self.point(tile, sample, seen) - lattice.bounds().min) / lattice.voxel_size() - 0.5;
         let (first, part) = (at.floor(), at - at.floor());
         let mut sum = DVec3::ZERO;
         for c in 0..8_u32 {

@@ -15,6 +15,9 @@ const TILE: usize = 64;
 /// rounding, and the pixels that it adds fail the exact test.
 const SLACK_PX: f64 = 1e-6;
 
+/// The same where rays may pass between pixel centres.
+const BETWEEN_PX: f64 = 1.0;
+
 /// A camera with a grid of pixels before it.
 pub(super) struct Screen {
     /// Samples along an edge of a pixel.
@@ -42,6 +45,8 @@ pub(super) struct Screen {
     down: DVec3,
     /// The middle of the picture, counted in pixel centres.
     middle: [f64; 2],
+    /// What a box may touch lies within this many pixels of its projection.
+    slack: f64,
 }
 
 /// The centre ray of a pixel: `origin + t * direction`, relative to the eye.
@@ -93,7 +98,13 @@ impl Screen {
             across: right * (0.5 * w / half.x),
             down: up * (-0.5 * h / half.y),
             middle: [0.5 * w - 0.5, 0.5 * h - 0.5],
+            slack: SLACK_PX,
         }
+    }
+
+    /// The same screen for rays that pass anywhere between its pixels.
+    pub(super) fn for_rays_between(self) -> Self {
+        Self { slack: BETWEEN_PX, ..self }
     }
 
     /// Edge of a pixel at a depth, in scene units.
@@ -136,7 +147,7 @@ impl Screen {
             }
         }
         let samples = |(lo, hi): (f64, f64), middle: f64, n: usize| {
-            let slack = SLACK_PX + 1e-12 * (lo.abs() + hi.abs());
+            let slack = self.slack + 1e-12 * (lo.abs() + hi.abs());
             // Ceiling and floor by truncation, which saturates: negative numbers become 0.
             let first = (middle + lo + (1.0 - slack)) as u32 as usize;
             first..((middle + hi + (1.0 + slack)) as u32 as usize).min(n)
@@ -210,8 +221,8 @@ impl Screen {
             let lo = middle + lo * if lo < 0.0 { per_near } else { per_far };
             let hi = middle + hi * if hi < 0.0 { per_far } else { per_near };
             // Ceiling and floor by truncation, which saturates: negative numbers become 0.
-            let first = (lo + (1.0 - SLACK_PX)) as u32 as usize;
-            first..((hi + (1.0 + SLACK_PX)) as u32 as usize).min(n)
+            let first = (lo + (1.0 - self.slack)) as u32 as usize;
+            first..((hi + (1.0 + self.slack)) as u32 as usize).min(n)
         };
         let columns = pixels(self.across.dot(center), extent.x, self.middle[0], self.width);
         let rows = pixels(self.down.dot(center), extent.y, self.middle[1], self.height);

@@ -1,6 +1,11 @@
 //! What a picture shows: view, image, lights, material.
 
+use std::sync::Arc;
+
 use glam::DVec3;
+
+use super::matcap::Matcap;
+use crate::expr::Expr;
 
 /// Where the picture is taken from and through which lens.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +63,12 @@ pub struct ImageSettings {
     pub background: Option<[f32; 3]>,
     /// The scene's lights; the camera's own where there are none.
     pub lights: Vec<Light>,
+    /// Whether the scene's lights cast shadows.
+    pub shadows: bool,
+    /// How much darker it is in corners and hollows: from 0, not at all, to 1.
+    pub occlusion: f64,
+    /// A picture of a ball that stands for all light.
+    pub matcap: Option<Arc<Matcap>>,
     /// What stands for the surface in a voxel.
     pub shade: Shade,
     /// Samples along an edge of a pixel, from 1 to 8.
@@ -82,6 +93,62 @@ pub enum Shade {
     GlPoint,
     /// As [`Shade::Voxel`]; green where the surface provably passes through a voxel, red where that is not proven.
     Status,
+}
+
+/// What gives a surface its colour.
+#[derive(Clone, Debug, Default)]
+pub enum Coloring {
+    /// The material.
+    #[default]
+    Plain,
+    /// Red, green and blue are x, y and z in the domain.
+    Position,
+    /// Red, green and blue are the components of the normal.
+    Normal,
+    /// Green where the surface provably passes through the voxel, red elsewhere.
+    Certificate,
+    /// A number, by a palette.
+    Mapped(Quantity, ColorMap),
+}
+
+/// A number at a point of a surface.
+#[derive(Clone, Debug)]
+pub enum Quantity {
+    /// Mean curvature, positive where the surface bulges outwards.
+    Curvature,
+    /// F in the middle of the voxel.
+    Value,
+    /// What a formula says.
+    Formula(Expr),
+}
+
+/// Which colour a number has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColorMap {
+    /// The colours.
+    pub palette: Palette,
+    /// The numbers that have the first colour and the last; from −1 to 1 where `None`, or for
+    /// curvature from −10 to 10, divided by the domain's longest edge.
+    pub range: Option<[f64; 2]>,
+}
+
+/// Colours in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Palette {
+    /// Dark blue to yellow; even steps to the eye, as the next three.
+    Viridis,
+    /// Black to white over red.
+    Magma,
+    /// Blue to yellow over red.
+    Plasma,
+    /// As viridis, for all kinds of colour vision.
+    Cividis,
+    /// Many colours, as a rainbow.
+    Turbo,
+    /// Blue below the middle, white, red above.
+    BlueRed,
+    /// Black to white.
+    Gray,
 }
 
 /// A light from far away: the same direction everywhere.
@@ -111,8 +178,8 @@ pub enum Axes {
 pub struct Material {
     /// Linear-light red, green, blue of diffuse reflection, in [0, 1].
     pub color: [f32; 3],
-    /// The same for the side where F is negative.
-    pub back_color: [f32; 3],
+    /// The same for the side where F is negative; `color` where `None`.
+    pub back_color: Option<[f32; 3]>,
     /// Strength of the highlight, in [0, 1].
     pub specular: f32,
     /// Exponent of the highlight, at least 1.

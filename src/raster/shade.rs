@@ -7,11 +7,14 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
-    Frame, ImageSettings, Layer, Material, Model, Shade,
+    Camera, Frame, ImageSettings, Layer, Material, Model, Shade,
     block::{BlockMaker, Blocks, MAX_BLOCKS, OnDemandCount},
+    color::Colorer,
     light::Lights,
+    occlusion::Occlusion,
     paint::{Painter, Seen, Tools},
     screen::Screen,
+    shadow::Shadows,
     tile::Tile,
     trace::tracer,
     triangles::Triangles,
@@ -57,7 +60,7 @@ struct Shown {
 pub(super) fn shade(
     layers: &[Layer<'_>],
     models: &[Model],
-    screen: &Screen,
+    camera: &Camera,
     image: &ImageSettings,
     simd: SimdLevel,
     progress: &dyn Progress,
@@ -67,22 +70,23 @@ pub(super) fn shade(
     if frame.rgba.is_empty() {
         return Ok((frame, OnDemandCount::default()));
     }
-    let blocks = Blocks::new(layers, screen, simd);
-    if image.shade != Shade::Refine && blocks.most_of_a_tile() > MAX_BLOCKS {
-        return Err(Error::Limit(
-            "a part of the picture shows too many voxels at once; write shade = \"refine\" in \
-             [image], or lower `resolution` in [voxels]"
-                .to_owned(),
-        ));
-    }
-    let near = layers.iter().map(Layer::near).fold(f64::INFINITY, f64::min);
-    let triangles = Triangles::new(models, screen, near);
-    let maker = BlockMaker { layers, screen, candidates: image.candidates };
-    let painter = Painter { maker, blocks: &blocks, triangles: &triangles, shade: image.shade };
-    let lights = Lights::new(&image.lights, screen);
+    let tools = || Tools { tracer: tracer(simd), finder: finder(simd) };
+    let occlusion = if image.occlusion > 0.0 {
+        let screen = Screen::new(camera, image.width, image.height, 1);
+        let drawn = OnScreen::new(layers, models, &screen, image, simd)?;
+        Some(Occlusion::new(&drawn.painter(), &screen, tools, progress)?)
+    } else {
+        None
+    };
+    let screen = &Screen::new(camera, image.width, image.height, image.samples);
+    let drawn = OnScreen::new(layers, models, screen, image, simd)?;
+    let painter = drawn.painter();
+    let lights = Lights::new(image, screen);
     let of_layers = layers.iter().map(|layer| layer.material);
     let materials = of_layers.chain(models.iter().map(|model| model.material)).collect();
-    let shader = Shader { materials, screen, lights, image, empty };
+    let colorer = Colorer::new(layers, image.shade);
+    let shadows = Shadows::new(layers, models, image, screen, simd);
+    let shader = Shader { materials, colorer, screen, shadows, occlusion, lights, image, empty };
     let (n_columns, n_rows) = screen.n_tiles();
     progress.begin("rasterize", (n_columns * n_rows) as u64, "tiles");
     let width = image.width as usize;
@@ -101,22 +105,20 @@ pub(super) fn shade(
             let ((((((rgba, depth), normal), position), surface), curvature), certificate) = planes;
             let tiles: Result<Vec<Vec<Pixel>>> = (0..n_columns)
                 .into_par_iter()
-                .map_init(
-                    || Tools { tracer: tracer(simd), finder: finder(simd) },
-                    |tools, column| {
-                        if progress.is_cancelled() {
-                            return Err(Error::Interrupted);
-                        }
-                        let tile = screen.tile(column, row);
-                        let seen = painter.paint((column, row), &tile, tools);
-                        progress.advance(1);
-                        let mut pixels = shader.pixels(&tile, &seen);
-                        if image.curvature {
-                            add_curvatures(&painter, (column, row), &mut pixels, tools);
-                        }
-                        Ok(pixels.into_iter().map(|(pixel, _)| pixel).collect())
-                    },
-                )
+                .map_init(tools, |tools, column| {
+                    if progress.is_cancelled() {
+                        return Err(Error::Interrupted);
+                    }
+                    let tile = screen.tile(column, row);
+                    let mut seen = painter.paint((column, row), &tile, tools);
+                    shader.light(&painter, (column, row), &tile, &mut seen, tools);
+                    progress.advance(1);
+                    let mut pixels = shader.pixels(&tile, &seen);
+                    if image.curvature {
+                        add_curvatures(&painter, (column, row), &mut pixels, tools);
+                    }
+                    Ok(pixels.into_iter().map(|(pixel, _)| pixel).collect())
+                })
                 .collect();
             for (column, pixels) in tiles?.into_iter().enumerate() {
                 let first = column * rows;
@@ -135,15 +137,54 @@ pub(super) fn shade(
             Ok(())
         })?;
     progress.end();
-    let count = blocks.count();
+    let count = drawn.blocks.count();
     Ok((frame, count))
+}
+
+/// All that a screen shows.
+struct OnScreen<'a> {
+    maker: BlockMaker<'a>,
+    blocks: Blocks,
+    triangles: Triangles<'a>,
+    shade: Shade,
+}
+
+impl<'a> OnScreen<'a> {
+    fn new(
+        layers: &'a [Layer<'a>],
+        models: &'a [Model],
+        screen: &'a Screen,
+        image: &ImageSettings,
+        simd: SimdLevel,
+    ) -> Result<Self> {
+        let blocks = Blocks::new(layers, screen, simd);
+        if image.shade != Shade::Refine && blocks.most_of_a_tile() > MAX_BLOCKS {
+            return Err(Error::Limit(
+                "a part of the picture shows too many voxels at once; write shade = \"refine\" in \
+                 [image], or lower `resolution` in [voxels]"
+                    .to_owned(),
+            ));
+        }
+        let near = layers.iter().map(Layer::near).fold(f64::INFINITY, f64::min);
+        let triangles = Triangles::new(models, screen, near);
+        let maker = BlockMaker { layers, screen, candidates: image.candidates };
+        Ok(Self { maker, blocks, triangles, shade: image.shade })
+    }
+
+    fn painter(&self) -> Painter<'_> {
+        let Self { maker, blocks, triangles, shade } = self;
+        Painter { maker: *maker, blocks, triangles, shade: *shade }
+    }
 }
 
 /// Everything that lighting a sample needs to know.
 struct Shader<'a> {
     /// Of the layers, then of the models.
     materials: Vec<Material>,
+    colorer: Colorer<'a>,
     screen: &'a Screen,
+    shadows: Shadows<'a>,
+    occlusion: Option<Occlusion>,
     lights: Lights,
     image: &'a ImageSettings,
     /// A pixel without any surface.
@@ -151,6 +192,27 @@ struct Shader<'a> {
 }
 
 impl Shader<'_> {
+    /// Finds the colours of what the samples of a tile show, and the light that gets there.
+    fn light(
+        &self,
+        painter: &Painter<'_>,
+        place: (usize, usize),
+        tile: &Tile,
+        seen: &mut [Option<Seen>],
+        tools: &mut Tools,
+    ) {
+        self.colorer.color(painter, place, tile, seen, tools);
+        self.shadows.cast(painter, tile, seen, tools);
+        let Some(occlusion) = &self.occlusion else { return };
+        let strength = self.image.occlusion as f32;
+        for (sample, seen) in seen.iter_mut().enumerate() {
+            let Some(seen) = seen else { continue };
+            let (column, row) = tile.place(sample);
+            let pixel = [column, row].map(|i| i / self.screen.samples);
+            seen.reach.open = 1.0 - strength * (1.0 - occlusion.at(pixel, seen.depth));
+        }
+    }
+
     /// The pixels of a tile, row by row, each with the nearest point that it shows.
     fn pixels(&self, tile: &Tile, seen: &[Option<Seen>]) -> Vec<(Pixel, Option<Shown>)> {
         let samples = self.screen.samples;
@@ -207,8 +269,13 @@ impl Shader<'_> {
     fn lit(&self, tile: &Tile, sample: usize, seen: &Seen) -> [f32; 4] {
         let (column, row) = tile.place(sample);
         let ray = self.screen.ray(column, row);
-        let material = material(self.materials[seen.layer], seen, self.image.shade);
-        self.lights.reflected(&material, seen.normal, &ray)
+        let material = self.materials[seen.layer];
+        let color = match self.colorer.colors(seen.layer) {
+            true => seen.tint,
+            false => [0, 1, 2].map(|c| material.color[c] * seen.tint[c]),
+        };
+        let material = Material { color, ..material }.widened(seen.coherence);
+        self.lights.reflected(&material, seen.normal, &ray, seen.reach)
     }
 }
 
@@ -227,19 +294,4 @@ fn add_curvatures(
     for (i, curvature) in places.into_iter().zip(painter.curvatures(place, &points, tools)) {
         pixels[i].0.curvature = curvature as f32;
     }
-}
-
-/// Green and red that differ in brightness too.
-const CERTIFIED: [f32; 3] = [0.15, 0.55, 0.2];
-const CANDIDATE: [f32; 3] = [0.75, 0.08, 0.04];
-
-/// What a sample looks like on a surface of `material`.
-fn material(material: Material, seen: &Seen, shade: Shade) -> Material {
-    if shade != Shade::Status {
-        let tinted = |color: [f32; 3]| [0, 1, 2].map(|c| color[c] * seen.tint[c]);
-        let (color, back_color) = (tinted(material.color), tinted(material.back_color));
-        return Material { color, back_color, ..material };
-    }
-    let color = if seen.certified { CERTIFIED } else { CANDIDATE };
-    Material { color, back_color: color, ..material }
 }

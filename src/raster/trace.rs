@@ -46,14 +46,23 @@ pub(super) struct Meeting {
     /// The sample of the ray.
     pub(super) sample: u32,
     pub(super) depth: f64,
-    /// The gradient there, which may be zero or not finite.
-    pub(super) gradient: DVec3,
 }
 
 /// Finds where rays meet a surface; a thread's own.
 pub(super) trait Trace: Send {
     /// Finds the first meeting of each quest with the surface of `tape` in `cells`.
     fn trace(&mut self, scene: &Traced<'_>, quests: &[Quest], meetings: &mut Vec<Meeting>);
+
+    /// The gradients where rays meet the surface, which may be zero or not finite.
+    fn gradients(
+        &mut self,
+        scene: &Traced<'_>,
+        quests: &[Quest],
+        meetings: &[Meeting],
+    ) -> Vec<DVec3>;
+
+    /// The values of `tape` at some points; NaN where it is undefined.
+    fn values(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<f64>;
 
     /// The tape where its choices went as they do in all cells.
     fn shortened(&mut self, scene: &Traced<'_>) -> Tape;
@@ -170,7 +179,6 @@ impl<S: Simd> Tracer<S> {
 
 impl<S: Simd> Trace for Tracer<S> {
     fn trace(&mut self, scene: &Traced<'_>, quests: &[Quest], meetings: &mut Vec<Meeting>) {
-        let first_meeting = meetings.len();
         let mut rest = quests.iter();
         let mut lanes: Vec<Lane<'_>> = Vec::with_capacity(BATCH);
         loop {
@@ -193,7 +201,6 @@ impl<S: Simd> Trace for Tracer<S> {
             self.test(scene, &mut lanes, &mut brackets, meetings);
             self.find_roots(scene, &mut lanes, &mut brackets, meetings);
         }
-        self.find_gradients(scene, quests, &mut meetings[first_meeting..]);
     }
 
     fn shortened(&mut self, scene: &Traced<'_>) -> Tape {
@@ -206,6 +213,26 @@ impl<S: Simd> Trace for Tracer<S> {
         scene.tape.shortened(self.values.choices(0))
     }
 
+    fn gradients(
+        &mut self,
+        scene: &Traced<'_>,
+        quests: &[Quest],
+        meetings: &[Meeting],
+    ) -> Vec<DVec3> {
+        // Quests come in the order of their samples.
+        let ray_of = |sample: u32| quests[quests.partition_point(|q| q.sample < sample)].ray;
+        let place = |meeting: &Meeting| scene.eye + ray_of(meeting.sample).at(meeting.depth);
+        self.gradients_at(scene.tape, &meetings.iter().map(place).collect::<Vec<DVec3>>())
+    }
+
+    fn values(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<f64> {
+        let mut values = Vec::with_capacity(points.len());
+        for some in points.chunks(POINT_BATCH) {
+            values.extend_from_slice(&self.points.eval(tape, &batch(some))[..some.len()]);
+        }
+        values
+    }
+
     /// Second derivatives are differences of gradients.
     fn curvatures(&mut self, tape: &Tape, points: &[(DVec3, f64)]) -> Vec<f64> {
         let steps = [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
@@ -216,16 +243,7 @@ impl<S: Simd> Trace for Tracer<S> {
             let step = step_of(point);
             steps.map(|axis| point.0 + step * axis)
         });
-        let around: Vec<DVec3> = around.collect();
-        let mut gradients: Vec<DVec3> = Vec::with_capacity(around.len());
-        for some in around.chunks(POINT_BATCH) {
-            let mut batch: Points = [[0.0; POINT_BATCH]; 3];
-            for (k, p) in some.iter().enumerate() {
-                (0..3).for_each(|axis| batch[axis][k] = p[axis]);
-            }
-            let [x, y, z] = self.gradients.eval(tape, &batch);
-            gradients.extend((0..some.len()).map(|k| DVec3::new(x[k], y[k], z[k])));
-        }
+        let gradients = self.gradients_at(tape, &around.collect::<Vec<DVec3>>());
         let (of_points, _) = gradients.as_chunks::<6>();
         points.iter().zip(of_points).map(|(point, g)| mean_curvature(g, step_of(point))).collect()
     }
@@ -340,8 +358,7 @@ impl<S: Simd> Tracer<S> {
                     Outcome::Open if halvings == MAX_HALVINGS => {
                         let depth = 0.5 * (span.from + span.to);
                         if depth <= quest.farthest {
-                            let (sample, gradient) = (quest.sample, DVec3::ZERO);
-                            meetings.push(Meeting { sample, depth, gradient });
+                            meetings.push(Meeting { sample: quest.sample, depth });
                         }
                         lanes[i].finish();
                     }
@@ -421,8 +438,7 @@ impl<S: Simd> Tracer<S> {
                 let quest = lanes[bracket.lane].quest;
                 if bracket.is_in_region || in_region >> k & 1 == 1 {
                     if depths[k] <= quest.farthest {
-                        let (sample, depth) = (quest.sample, depths[k]);
-                        meetings.push(Meeting { sample, depth, gradient: DVec3::ZERO });
+                        meetings.push(Meeting { sample: quest.sample, depth: depths[k] });
                     }
                     lanes[bracket.lane].finish();
                 }
@@ -430,21 +446,24 @@ impl<S: Simd> Tracer<S> {
         }
     }
 
-    fn find_gradients(&mut self, scene: &Traced<'_>, quests: &[Quest], meetings: &mut [Meeting]) {
-        // Quests come in the order of their samples.
-        let ray_of = |sample: u32| quests[quests.partition_point(|q| q.sample < sample)].ray;
-        for some in meetings.chunks_mut(POINT_BATCH) {
-            let mut points: Points = [[0.0; POINT_BATCH]; 3];
-            for (k, meeting) in some.iter().enumerate() {
-                let p = scene.eye + ray_of(meeting.sample).at(meeting.depth);
-                (0..3).for_each(|axis| points[axis][k] = p[axis]);
-            }
-            let [x, y, z] = self.gradients.eval(scene.tape, &points);
-            for (k, meeting) in some.iter_mut().enumerate() {
-                meeting.gradient = DVec3::new(x[k], y[k], z[k]);
-            }
+    /// The gradients of `tape` at some points.
+    fn gradients_at(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<DVec3> {
+        let mut gradients: Vec<DVec3> = Vec::with_capacity(points.len());
+        for some in points.chunks(POINT_BATCH) {
+            let [x, y, z] = self.gradients.eval(tape, &batch(some));
+            gradients.extend((0..some.len()).map(|k| DVec3::new(x[k], y[k], z[k])));
         }
+        gradients
     }
+}
+
+/// Some points, axis by axis.
+fn batch(some: &[DVec3]) -> Points {
+    let mut batch: Points = [[0.0; POINT_BATCH]; 3];
+    for (k, p) in some.iter().enumerate() {
+        (0..3).for_each(|axis| batch[axis][k] = p[axis]);
+    }
+    batch
 }
 
 /// What the values at both ends of a part tell, with bounds of the slope between them.

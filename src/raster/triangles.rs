@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use super::{
     Content, Material,
     fit::fold_reach,
+    light::Reach,
     paint::Seen,
     screen::{Ray, Screen},
     tile::{Tile, TileLists},
@@ -49,7 +50,6 @@ struct Placed {
 /// The triangles of all models, and which of them each tile may show.
 pub(super) struct Triangles<'a> {
     models: &'a [Model],
-    screen: &'a Screen,
     all: Vec<Placed>,
     of_tiles: TileLists,
     near: f64,
@@ -57,7 +57,7 @@ pub(super) struct Triangles<'a> {
 
 impl<'a> Triangles<'a> {
     /// Of `models`, where they are farther away than `near`.
-    pub(super) fn new(models: &'a [Model], screen: &'a Screen, near: f64) -> Self {
+    pub(super) fn new(models: &'a [Model], screen: &Screen, near: f64) -> Self {
         let mut all: Vec<Placed> = Vec::new();
         for (number, model) in models.iter().enumerate() {
             let n = model.polygons.triangles.len();
@@ -69,13 +69,14 @@ impl<'a> Triangles<'a> {
             all.par_extend(placed);
         }
         let of_tiles = TileLists::new(screen, all.iter().map(|placed| &placed.extent));
-        Self { models, screen, all, of_tiles, near }
+        Self { models, all, of_tiles, near }
     }
 
-    /// Shows what is nearer than `seen`, the samples of `tile`. Models are numbered from
+    /// Shows what is nearer than `seen`, the samples of a tile of `screen`. Models are numbered from
     /// `first_layer`.
     pub(super) fn draw(
         &self,
+        screen: &Screen,
         place: (usize, usize),
         tile: &Tile,
         first_layer: usize,
@@ -84,7 +85,7 @@ impl<'a> Triangles<'a> {
         for placed in self.of_tiles.of_tile(place).map(|i| &self.all[i]) {
             let Some(part) = placed.extent.intersection(tile) else { continue };
             let model = &self.models[placed.model];
-            let corners = corners(model, placed.triangle, self.screen);
+            let corners = corners(model, placed.triangle, screen);
             for row in part.rows {
                 for column in part.columns.clone() {
                     let sample = tile.sample(column, row);
@@ -92,9 +93,9 @@ impl<'a> Triangles<'a> {
                     if placed.nearest > farthest {
                         continue;
                     }
-                    let ray = self.screen.ray(column, row);
+                    let ray = screen.ray(column, row);
                     let Some(weights) = weights(&corners, &ray) else { continue };
-                    let depth = self.screen.forward.dot(blend(&corners, weights));
+                    let depth = screen.forward.dot(blend(&corners, weights));
                     if depth < farthest && depth >= self.near {
                         seen[sample] = Some(Seen {
                             layer: first_layer + placed.model,
@@ -102,12 +103,31 @@ impl<'a> Triangles<'a> {
                             normal: normal(model, placed.triangle, weights),
                             certified: true,
                             voxel_size: 0.0,
+                            coherence: 1.0,
                             block: None,
                             tint: tint(model, placed.triangle, weights),
+                            reach: Reach::ALL,
                         });
                     }
                 }
             }
+        }
+    }
+
+    /// Calls `meet` for every triangle that a tile of `screen` may show, with the samples that it
+    /// may touch and a function that tells at which depth a ray meets it.
+    pub(super) fn visit(
+        &self,
+        screen: &Screen,
+        place: (usize, usize),
+        mut meet: impl FnMut(&Tile, &dyn Fn(&Ray) -> Option<f64>),
+    ) {
+        for placed in self.of_tiles.of_tile(place).map(|i| &self.all[i]) {
+            let corners = corners(&self.models[placed.model], placed.triangle, screen);
+            let depth_of = |ray: &Ray| {
+                weights(&corners, ray).map(|weights| screen.forward.dot(blend(&corners, weights)))
+            };
+            meet(&placed.extent, &depth_of);
         }
     }
 }

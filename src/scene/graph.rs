@@ -44,12 +44,7 @@ impl Lower<'_> {
                 .label("not a function graph")
                 .help("what can be read are function graphs in the text format of Fidget"));
         }
-        let Some(folder) = self.folder else {
-            return Err(Diagnostic::new(file.span(), "a scene without a folder names a file")
-                .label("relative to which folder?")
-                .help("read the scene from a file, or say in which folder its files are"));
-        };
-        Ok(folder.join(name))
+        self.beside(file)
     }
 
     /// The bytes of a file, or why there are none.

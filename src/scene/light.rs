@@ -1,16 +1,17 @@
 //! Lights: `[[light]]` sections.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use super::{
-    color::linear_from_srgb,
-    leaf::Color,
+    color::{WHITE, linear},
     lower::Lower,
-    spec::{AxesSpec, LightSpec, Section},
+    spec::{AxesSpec, ImageSpec, LightSpec, Section},
 };
 use crate::{
     diagnostic::Diagnostic,
-    raster::{Axes, Light},
+    raster::{Axes, Light, Matcap},
 };
 
 /// Every pixel sums over all lights.
@@ -29,6 +30,38 @@ impl Lower<'_> {
             );
         }
         sections.iter().take(MAX_LIGHTS).map(|section| self.light(section)).collect()
+    }
+
+    /// Whether the scene's lights cast shadows.
+    pub(super) fn shadows(&mut self, spec: &ImageSpec, lights: &[Section<LightSpec>]) -> bool {
+        let Some(shadows) = spec.shadows.as_ref().filter(|shadows| *shadows.get_ref()) else {
+            return false;
+        };
+        if lights.is_empty() {
+            self.errors.push(
+                Diagnostic::new(shadows.span(), "`shadows` stands without a light")
+                    .label("the camera's own light throws no shadow that the camera sees")
+                    .help("add a light: [[light]] with direction = [1, -1, 2]"),
+            );
+        }
+        true
+    }
+
+    /// The picture that stands for all light, if there is one.
+    pub(super) fn light_picture(
+        &mut self,
+        spec: &ImageSpec,
+        lights: &[Section<LightSpec>],
+    ) -> Option<Arc<Matcap>> {
+        let file = spec.matcap.as_ref()?;
+        if let Some(light) = lights.first() {
+            self.errors.push(
+                Diagnostic::new(light.span.clone(), "a light stands beside `matcap`")
+                    .label("the picture stands for all light")
+                    .help("remove one of them"),
+            );
+        }
+        self.matcap(file)
     }
 
     fn light(&mut self, section: &Section<LightSpec>) -> Light {
@@ -52,7 +85,7 @@ impl Lower<'_> {
                 AxesSpec::Scene => Axes::Scene,
                 AxesSpec::Camera => Axes::Camera,
             },
-            color: linear_from_srgb(spec.color.unwrap_or(Color([1.0; 3]))),
+            color: linear(spec.color.unwrap_or(WHITE)),
             intensity,
         }
     }

@@ -13,7 +13,7 @@ use glam::DVec3;
 
 use super::{
     Outputs, Scene,
-    color::linear_from_srgb,
+    color::linear,
     formula::Formula,
     leaf::{Background, Color, Detail, Number, Numbers, Target, Whole},
     spanned::Spanned,
@@ -65,6 +65,8 @@ pub(super) struct Lower<'a> {
     pub(super) noted: HashSet<(usize, usize, String)>,
     /// The files that were read, with what they mean, unless something is wrong with them.
     pub(super) graphs: Vec<(Model, Option<Expr>)>,
+    /// Whether a picture stands for all light.
+    pub(super) has_matcap: bool,
 }
 
 impl<'a> Lower<'a> {
@@ -85,12 +87,14 @@ impl<'a> Lower<'a> {
             formulas: Vec::new(),
             noted: HashSet::new(),
             graphs: Vec::new(),
+            has_matcap: false,
         }
     }
 
     /// The scene called `name`; worth something only if no errors were noted.
     pub(super) fn scene(&mut self, name: &str, spec: &SceneSpec) -> Scene {
         self.define(&spec.params, &spec.lets);
+        self.has_matcap = spec.image.spec.matcap.is_some();
         let clip = self.clip(&spec.domain);
         Scene {
             name: name.to_owned(),
@@ -199,9 +203,12 @@ impl<'a> Lower<'a> {
             height: self.whole("height", spec.height.as_ref(), range, DEFAULT_IMAGE_SIZE),
             background: match spec.background.unwrap_or(DEFAULT_BACKGROUND) {
                 Background::Transparent => None,
-                Background::Color(color) => Some(linear_from_srgb(color)),
+                Background::Color(color) => Some(linear(color)),
             },
             lights: self.lights(&scene.lights),
+            shadows: self.shadows(spec, &scene.lights),
+            occlusion: self.number("occlusion", spec.occlusion.as_ref(), 0.0..=1.0, 0.0),
+            matcap: self.light_picture(spec, &scene.lights),
             shade: match spec.shade.unwrap_or_default() {
                 ShadeSpec::Refine => Shade::Refine,
                 ShadeSpec::Slab => Shade::Slab,

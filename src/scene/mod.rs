@@ -3,8 +3,10 @@
 mod camera;
 mod clip;
 mod color;
+mod coloring;
 mod definitions;
 mod explain;
+mod files;
 mod formula;
 mod graph;
 mod leaf;
@@ -12,6 +14,7 @@ mod leaf_schema;
 mod light;
 mod load;
 mod lower;
+mod matcap;
 mod model;
 mod read;
 mod schema;
@@ -34,7 +37,7 @@ use crate::{
     expr::Expr,
     math::Aabb,
     octree::StorageKind,
-    raster::{ImageSettings, Material, Model, View},
+    raster::{Coloring, ImageSettings, Material, Model, View},
     voxelize::Schedule,
 };
 
@@ -82,6 +85,8 @@ pub struct Surface {
     pub expr: Expr,
     /// How it looks.
     pub material: Material,
+    /// What gives it its colour, if not the material.
+    pub coloring: Coloring,
 }
 
 /// The files to write; relative names are relative to the output directory.

@@ -1,18 +1,13 @@
 //! Polygon models: files that lie beside the scene, and where their polygons go.
 
-use std::path::Path;
-
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::{
-    color::default_color,
-    leaf::Color,
+    color::{WHITE, default_color},
     lower::Lower,
     spec::{ModelSpec, Section, UpSpec},
 };
 use crate::{diagnostic::Diagnostic, polygons::Polygons, raster::Model};
-
-const WHITE: Color = Color([1.0; 3]);
 
 impl Lower<'_> {
     /// All models that could be made, after `n_surfaces` surfaces.
@@ -34,16 +29,9 @@ impl Lower<'_> {
             }
             return None;
         };
-        let Some(folder) = self.folder else {
-            self.errors.push(
-                Diagnostic::new(file.span(), "a scene without a folder names a file")
-                    .label("relative to which folder?")
-                    .help("read the scene from a file, or say in which folder its files are"),
-            );
-            return None;
-        };
+        let path = self.beside(file).map_err(|mistake| self.errors.push(mistake)).ok()?;
         let name = spec.name.clone().unwrap_or_else(|| file.get_ref().clone());
-        let polygons = Polygons::read(&folder.join(Path::new(file.get_ref())));
+        let polygons = Polygons::read(&path);
         let refused = |why: String| {
             let message = format!("cannot use {}: {why}", file.get_ref());
             self.errors.push(
@@ -52,10 +40,14 @@ impl Lower<'_> {
             );
         };
         let polygons = polygons.map_err(refused).ok()?;
-        let usual = if polygons.colors.is_empty() { default_color(index) } else { WHITE };
+        let is_white = self.has_matcap || !polygons.colors.is_empty();
+        let usual = if is_white { WHITE } else { default_color(index) };
         let color = spec.color.unwrap_or(usual);
-        let colors = [color, spec.back_color.unwrap_or(color)];
-        let material = self.material_of(colors, spec.specular.as_ref(), spec.shininess.as_ref());
+        let material = self.material_of(
+            (color, spec.back_color),
+            spec.specular.as_ref(),
+            spec.shininess.as_ref(),
+        );
         Some(Model { name, polygons: polygons.placed(placing), material })
     }
 

@@ -96,7 +96,15 @@ pub(super) struct SurfaceSpec {
     /// Whether the cuts of clips are closed; by default as `[domain]` says.
     pub(super) cap: Option<Spanned<bool>>,
     /// By default the next of a small palette.
-    pub(super) color: Option<Color>,
+    pub(super) color: Option<Spanned<Color>>,
+    /// What the colour tells instead: "position", "normal", "certificate", "curvature", "value" (F in
+    /// the middle of the voxel) or a formula. `palette` and `color_range` are for the last three.
+    pub(super) color_by: Option<Spanned<String>>,
+    /// The colours for numbers; "viridis" by default, "blue-red" for curvature.
+    pub(super) palette: Option<Spanned<PaletteSpec>>,
+    /// The numbers with the first and the last of these colours; by default [-1, 1], and for
+    /// curvature [-10, 10] divided by the longest edge of the domain.
+    pub(super) color_range: Option<Spanned<Numbers<2>>>,
     /// The colour seen from inside; by default the same.
     pub(super) back_color: Option<Color>,
     /// Strength of the highlight in [0, 1]; 0.3 by default.
@@ -105,6 +113,26 @@ pub(super) struct SurfaceSpec {
     /// Exponent of the highlight from 1 to 1000; 32 by default.
     #[schemars(range(min = 1, max = 1000))]
     pub(super) shininess: Option<Spanned<Whole>>,
+}
+
+/// Colours in a row.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum PaletteSpec {
+    /// Dark blue to yellow.
+    Viridis,
+    /// Black to white over red.
+    Magma,
+    /// Blue to yellow over red.
+    Plasma,
+    /// As viridis, for all kinds of colour vision.
+    Cividis,
+    /// Many colours.
+    Turbo,
+    /// Blue to white to red.
+    BlueRed,
+    /// Black to white.
+    Gray,
 }
 
 /// A polygon model. It is scaled, turned and moved, in this order.
@@ -301,6 +329,14 @@ pub(super) struct ImageSpec {
     pub(super) background: Option<Background>,
     /// What stands for the surface in a voxel; "refine" by default.
     pub(super) shade: Option<ShadeSpec>,
+    /// Whether the scene's lights cast shadows; false by default.
+    pub(super) shadows: Option<Spanned<bool>>,
+    /// How much darker corners and hollows are, from 0, the default, to 1.
+    #[schemars(range(min = 0, max = 1))]
+    pub(super) occlusion: Option<Spanned<Number>>,
+    /// A square PNG picture of a lit ball that stands for all light, relative to the folder of the
+    /// scene; surfaces are white by default then.
+    pub(super) matcap: Option<Spanned<String>>,
     /// Rays through a pixel: 1, 4, 9, 16, 25, 36, 49 or 64; 4 by default.
     #[schemars(range(min = 1, max = 64))]
     pub(super) samples: Option<Spanned<Whole>>,

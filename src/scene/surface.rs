@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::{
     Surface,
     clip::Clip,
-    color::{default_color, linear_from_srgb},
+    color::{WHITE, default_color, linear},
     leaf::{Color, Number, Whole},
     lower::Lower,
     spanned::Spanned,
@@ -38,25 +38,26 @@ impl Lower<'_> {
     ) -> Option<Surface> {
         let spec = &section.spec;
         let material = self.material(index, spec);
+        let coloring = self.coloring(spec);
         let name = spec.name.clone().unwrap_or_else(|| format!("surface {}", index + 1));
         let expr = self.expr(section)?;
-        Some(Surface { name, expr: self.clipped(expr, section, clip), material })
+        Some(Surface { name, expr: self.clipped(expr, section, clip), material, coloring })
     }
 
     fn material(&mut self, index: usize, spec: &SurfaceSpec) -> Material {
-        let color = spec.color.unwrap_or_else(|| default_color(index));
-        let colors = [color, spec.back_color.unwrap_or(color)];
-        self.material_of(colors, spec.specular.as_ref(), spec.shininess.as_ref())
+        let usual = if self.has_matcap { WHITE } else { default_color(index) };
+        let color = spec.color.as_ref().map_or(usual, |color| *color.get_ref());
+        self.material_of((color, spec.back_color), spec.specular.as_ref(), spec.shininess.as_ref())
     }
 
-    /// From the colours of the front and of the back.
+    /// From the colour of the front, and that of the back if it has one.
     pub(super) fn material_of(
         &mut self,
-        colors: [Color; 2],
+        (color, back_color): (Color, Option<Color>),
         specular: Option<&Spanned<Number>>,
         shininess: Option<&Spanned<Whole>>,
     ) -> Material {
-        let [color, back_color] = colors.map(linear_from_srgb);
+        let (color, back_color) = (linear(color), back_color.map(linear));
         let specular = self.number("specular", specular, 0.0..=1.0, DEFAULT_SPECULAR) as f32;
         let shininess = self.whole("shininess", shininess, 1..=1000, DEFAULT_SHININESS);
         Material { color, back_color, specular, shininess }

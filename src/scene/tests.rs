@@ -95,7 +95,7 @@ fn every_key_can_be_given() {
     assert_eq!(scene.surfaces[1].material.color, [0.0, 1.0, 0.214_041_14]);
     let domain = Aabb { min: DVec3::new(-2.0, -3.5, 0.0), max: DVec3::new(2.0, 3.5, 10.0) };
     assert_eq!(scene.domain, Some(domain));
-    assert_eq!(scene.surfaces[0].material.back_color, [1.0; 3]);
+    assert_eq!(scene.surfaces[0].material.back_color, Some([1.0; 3]));
     let back = Light {
         direction: DVec3::new(-1.0, 1.0, 1.0),
         axes: Axes::Camera,
