@@ -24,6 +24,10 @@ bless-words NAME:
 bench:
     cargo bench
 
-# Time Fidget at the same work; the tables are for BENCHMARKS.md, and ZEROSET_DATA adds models
+# Time Fidget at the same work, or `pictures`; the tables are for BENCHMARKS.md, and ZEROSET_DATA adds models
 bench-peers *NAMES:
     RUSTFLAGS="-C target-cpu=native" cargo run --release --locked --manifest-path benches/peers/Cargo.toml -- {{NAMES}}
+
+# Scene 1 by Zeroset and by POV-Ray, which must be installed: the picture and the figures of README
+beside-povray:
+    cargo run --release --example povray

@@ -1,8 +1,9 @@
-//! Whether both programs have got the same function and found the same voxels.
+//! Whether both programs have got the same function, found the same voxels and seen the same.
 
 use fearless_simd::Simd;
 use fidget::{
     eval::{BulkEvaluator, Function, MathFunction},
+    raster::voxel::Image,
     vm::VmFunction,
 };
 use zeroset::{
@@ -10,11 +11,12 @@ use zeroset::{
     expr::Tape,
     math::{SimdLevel, SimdTask},
     octree::{MortonOctree, Storage},
+    raster::Frame,
 };
 
 use crate::{
     enumeration::{Found, places},
-    workloads::Workload,
+    workloads::{RESOLUTION, Workload},
 };
 
 const N_POINTS: usize = 4096;
@@ -85,7 +87,7 @@ fn fidget_values(workload: &Workload, points: &[[f64; 3]]) -> Vec<f32> {
     values[0].to_vec()
 }
 
-/// How many voxels were kept.
+/// How many voxels were kept, or pixels covered.
 #[derive(Clone, Copy, Debug)]
 pub struct Kept {
     /// By both programs.
@@ -102,4 +104,61 @@ pub fn compare(ours: &MortonOctree, theirs: &Found) -> Kept {
     let by_both = voxels().filter(|v| ours.find(v.ijk.map(u32::from)).is_some()).count() as u64;
     let by_zeroset = u64::from(ours.voxel_count()) - by_both;
     Kept { by_both, by_zeroset, by_fidget: voxels().count() as u64 - by_both }
+}
+
+/// How much alike two pictures are.
+#[derive(Clone, Copy, Debug)]
+pub struct Likeness {
+    /// Pixels that show the surface.
+    pub covered: Kept,
+    /// Of pixels covered by both, the mean difference of depths in voxels.
+    pub depth: f64,
+    /// The share whose depths differ by less than a voxel.
+    pub within_voxel: f64,
+    /// The mean angle between normals in degrees.
+    pub degrees: f64,
+}
+
+/// Compares pictures that look along z at a cube about the origin. Fidget's depth counts voxels from
+/// the back: the surface lies somewhere in the last one.
+pub fn compare_pictures(ours: &Frame, theirs: &Image, half_edge: f64) -> Likeness {
+    let mut covered = Kept { by_both: 0, by_zeroset: 0, by_fidget: 0 };
+    let (mut depth, mut n_within, mut degrees, mut n_normals) = (0.0, 0_u64, 0.0, 0_u64);
+    for (i, pixel) in theirs.iter().enumerate() {
+        match (ours.depth[i] < Frame::FAR, pixel.depth > 0) {
+            (false, false) => continue,
+            (true, false) => covered.by_zeroset += 1,
+            (false, true) => covered.by_fidget += 1,
+            (true, true) => {
+                covered.by_both += 1;
+                let z = f64::from(ours.position[i][2]) / half_edge;
+                let voxels = 0.5 * f64::from(RESOLUTION) * (z + 1.0);
+                let difference = (voxels - (f64::from(pixel.depth) - 0.5)).abs();
+                depth += difference;
+                n_within += u64::from(difference < 1.0);
+                // Fidget's gradient is in axes of the picture, with y down.
+                let [x, y, z] = pixel.normal;
+                if let Some(angle) = angle(ours.normal[i], [x, -y, z]) {
+                    degrees += angle;
+                    n_normals += 1;
+                }
+            }
+        }
+    }
+    let n = covered.by_both as f64;
+    Likeness {
+        covered,
+        depth: depth / n,
+        within_voxel: n_within as f64 / n,
+        degrees: degrees / n_normals as f64,
+    }
+}
+
+/// In degrees; `None` where a vector has no direction.
+#[expect(clippy::disallowed_methods, reason = "a figure for a table, not for a picture")]
+fn angle(a: [f32; 3], b: [f32; 3]) -> Option<f64> {
+    let [a, b] = [a, b].map(|v| v.map(f64::from));
+    let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let cosine = dot(a, b) / (dot(a, a) * dot(b, b)).sqrt();
+    cosine.is_finite().then(|| cosine.clamp(-1.0, 1.0).acos().to_degrees())
 }

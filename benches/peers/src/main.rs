@@ -1,13 +1,16 @@
-//! Zeroset beside Fidget: the enumeration of all voxels that a surface may meet, with the gradient
-//! in each, on the same functions, domains and resolution.
+//! Zeroset beside Fidget on the same functions, domains and resolution.
 //!
 //!     just bench-peers [part of a surface's name]...
+//!     just bench-peers pictures [part of a surface's name]...
 //!
 //! Tables for BENCHMARKS.md go to the standard output. For each surface the two programs are checked
 //! to hold the same function, Fidget's best setting is looked for, and both take turns with one
-//! thread and with two. Zeroset's time includes scheduling its tape, and the octree and the unit
-//! normals that it makes of what it finds; Fidget's begins when its function is ready, and makes
-//! nothing of what it finds: see `enumeration`.
+//! thread and with two.
+//!
+//! The first compares the enumeration of all voxels that a surface may meet, with the gradient in
+//! each. Zeroset's time includes scheduling its tape, and the octree and the unit normals that it
+//! makes of what it finds; Fidget's begins when its function is ready, and makes nothing of what it
+//! finds: see `enumeration`. The second compares pictures with Fidget's own renderer: see `pictures`.
 //!
 //! Both are built for the machine at hand: Fidget's intervals of sines and cosines gain up to a third.
 
@@ -15,6 +18,7 @@
 
 mod agreement;
 mod enumeration;
+mod pictures;
 mod program;
 mod report;
 mod throughput;
@@ -39,16 +43,29 @@ use workloads::{RESOLUTION, Workload};
 
 const THREADS: [usize; 2] = [1, 2];
 
+/// Of so many threads.
+type Pools = [ThreadPool; THREADS.len()];
+
 fn main() {
-    let wanted: Vec<String> = env::args().skip(1).collect();
-    let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|part| name.contains(part));
+    let mut names: Vec<String> = env::args().skip(1).collect();
+    let is_pictures = names.first().is_some_and(|name| name == "pictures");
+    names.drain(..usize::from(is_pictures));
+    let is_wanted = |workload: &Workload| {
+        names.is_empty() || names.iter().any(|part| workload.name.contains(part))
+    };
     let pools = THREADS.map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
-    let workloads = workloads::all().into_iter().filter(|workload| is_wanted(workload.name));
-    let outcomes: Vec<Outcome> = workloads.map(|workload| measure(&workload, &pools)).collect();
-    report::print(&outcomes, THREADS);
+    if is_pictures {
+        let workloads = workloads::pictured().into_iter().filter(is_wanted);
+        let pictured: Vec<_> = workloads.map(|w| pictures::measure(&w, &pools)).collect();
+        report::print_pictures(&pictured);
+    } else {
+        let workloads = workloads::enumerated().into_iter().filter(is_wanted);
+        let outcomes: Vec<_> = workloads.map(|w| measure(&w, &pools)).collect();
+        report::print(&outcomes, THREADS);
+    }
 }
 
-fn measure(workload: &Workload, pools: &[ThreadPool; 2]) -> Outcome {
+fn measure(workload: &Workload, pools: &Pools) -> Outcome {
     let name = workload.name;
     eprintln!("{name}: comparing values");
     agreement::check(workload);

@@ -1,6 +1,12 @@
 //! The tables, in Markdown.
 
-use crate::{agreement::Kept, throughput::Throughput, timing::median, tuning::Setting};
+use crate::{
+    agreement::{Kept, Likeness},
+    pictures,
+    throughput::Throughput,
+    timing::median,
+    tuning::Setting,
+};
 
 /// What was measured on one surface.
 pub struct Outcome {
@@ -17,7 +23,64 @@ pub struct Outcome {
     pub throughput: Throughput,
 }
 
-/// Prints all tables.
+/// What was measured of one surface's picture.
+pub struct Pictured {
+    pub name: &'static str,
+    /// Fidget's, with the tiles that it recommends and with the best ones, for each number of
+    /// threads.
+    pub settings: [[pictures::Setting; 2]; 2],
+    /// Seconds of Zeroset, and of Fidget with both, round by round, for each number of threads.
+    pub times: [[Vec<f64>; 3]; 2],
+    pub likeness: Likeness,
+}
+
+/// Prints the tables of pictures.
+pub fn print_pictures(pictures: &[Pictured]) {
+    println!(
+        "| scene | Fidget, one thread, ms | Zeroset, ms | ratio | Fidget, two threads, ms | \
+         Zeroset, ms | ratio | Fidget's settings | ratios with the tiles that it recommends |\n\
+         |---|---|---|---|---|---|---|---|---|"
+    );
+    for Pictured { name, settings, times, .. } in pictures {
+        let cells = times.each_ref().map(|[zeroset, _, fidget]| {
+            let [z, f] = [zeroset, fidget].map(|times| short(median(times) * 1e3));
+            format!("{f} | {z} | {}", ratio(fidget, zeroset))
+        });
+        let recommended = [0, 1].map(|i| {
+            let [zeroset, fidget, _] = &times[i];
+            format!("{}: {}", settings[i][0], short(median(fidget) / median(zeroset)))
+        });
+        let mut best = settings.map(|[_, best]| best.to_string()).to_vec();
+        best.dedup();
+        let cells = [&cells[..], &[best.join("; "), recommended.join("; ")]].concat();
+        println!("| {name} | {} |", cells.join(" | "));
+    }
+    println!(
+        "\n| scene | pixels covered by both | by Zeroset only | by Fidget only | \
+         mean difference of depths, voxels | within a voxel | mean angle between normals |\n\
+         |---|---|---|---|---|---|---|"
+    );
+    for Pictured { name, likeness, .. } in pictures {
+        let Likeness { covered, depth, within_voxel, degrees } = likeness;
+        println!(
+            "| {name} | {} | {} | {} | {} | {:.2} % | {}° |",
+            grouped(covered.by_both),
+            grouped(covered.by_zeroset),
+            grouped(covered.by_fidget),
+            short(*depth),
+            100.0 * within_voxel,
+            short(*degrees),
+        );
+    }
+}
+
+/// The ratios of a picture, for the impatient.
+pub fn picture_summary(Pictured { name, times, .. }: &Pictured) -> String {
+    let [one, two] = times.each_ref().map(|[zeroset, _, fidget]| ratio(fidget, zeroset));
+    format!("{name}: Fidget takes {one} times Zeroset's time with one thread; with two {two}")
+}
+
+/// Prints the tables of enumerations.
 pub fn print(outcomes: &[Outcome], threads: [usize; 2]) {
     println!(
         "| surface | threads | Zeroset, certified, ms | by values, ms | Fidget, ms | \

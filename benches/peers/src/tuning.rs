@@ -15,11 +15,20 @@ use crate::{
 
 /// Fidget's evaluators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Engine {
+pub enum Engine {
     /// Machine code.
     Jit,
     /// An interpreter.
     Vm,
+}
+
+impl fmt::Display for Engine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Jit => "JIT",
+            Self::Vm => "VM",
+        })
+    }
 }
 
 /// How Fidget is used.
@@ -32,11 +41,7 @@ pub struct Setting {
 /// Such as `JIT, shortened to 8³`.
 impl fmt::Display for Setting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let engine = match self.engine {
-            Engine::Jit => "JIT",
-            Engine::Vm => "VM",
-        };
-        write!(f, "{engine}{}", self.shortening)
+        write!(f, "{}{}", self.engine, self.shortening)
     }
 }
 
@@ -70,20 +75,29 @@ impl Fidget {
 const FINALISTS: usize = 6;
 const TRIALS: usize = 3;
 
-/// The setting that is fastest with one thread. All are tried once at half the resolution, where
-/// voxels look much the same to a tape, and the best of them in turn at the full one. A setting's
-/// least time counts, because whatever else the machine does can only add to it.
+/// The setting that is fastest with one thread. All are tried at half the resolution, where voxels
+/// look much the same to a tape, and the best of them at the full one.
 pub fn best_setting(workload: &Workload, pool: &ThreadPool) -> Setting {
     let half = Fidget::new(workload, &workload.lattice(RESOLUTION / 2));
     let full = Fidget::new(workload, &workload.lattice(RESOLUTION));
     let measure = |fidget: &Fidget, setting| pool.install(|| time(|| fidget.run(setting)));
-    let mut settings = settings(full.jit.function().can_simplify());
-    settings.sort_by_cached_key(|&setting| measure(&half, setting));
+    let settings = settings(full.jit.function().can_simplify());
+    best(settings, |setting| measure(&half, setting), |setting| measure(&full, setting))
+}
+
+/// The fastest of all settings: `glance` looks at each once, and `measure` at the best of them in
+/// turn. A setting's least time counts, because whatever else the machine does can only add to it.
+pub fn best<S: Copy>(
+    mut settings: Vec<S>,
+    glance: impl Fn(S) -> Duration,
+    measure: impl Fn(S) -> Duration,
+) -> S {
+    settings.sort_by_cached_key(|&setting| glance(setting));
     settings.truncate(FINALISTS);
     let mut times = vec![Duration::MAX; settings.len()];
     for _ in 0..TRIALS {
         for (least, &setting) in times.iter_mut().zip(&settings) {
-            *least = measure(&full, setting).min(*least);
+            *least = measure(setting).min(*least);
         }
     }
     settings.into_iter().zip(times).min_by_key(|&(_, time)| time).unwrap().0

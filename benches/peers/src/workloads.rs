@@ -35,6 +35,11 @@ impl Workload {
         Lattice::new(self.domain, resolution)
     }
 
+    /// Of the domain, a cube about the origin.
+    pub fn half_edge(&self) -> f64 {
+        self.domain.max.z
+    }
+
     /// A scene file of the project.
     fn scene(name: &'static str, file: &str, tree: &Tree) -> Self {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
@@ -78,18 +83,11 @@ fn cube(half_edge: f64) -> Aabb {
     Aabb { min: [-half_edge; 3].into(), max: [half_edge; 3].into() }
 }
 
-/// All workloads; those of models only where `ZEROSET_DATA` says where these are.
-pub fn all() -> Vec<Workload> {
-    let mut all = vec![
-        Workload::scene("Scene 1", "scene1.toml", &blend()),
-        Workload::scene("Scene 2", "scene2.toml", &lobes(4.0, 8.0)),
-        Workload::scene("Scene 3", "scene3.toml", &lobes(3.0, 4.0)),
-        Workload::equation(
-            "gyroid, five periods",
-            "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x) = 0",
-            5.0 * std::f64::consts::PI,
-            &gyroid(),
-        ),
+/// What all voxels are found of.
+pub fn enumerated() -> Vec<Workload> {
+    let mut all = scenes();
+    all.extend([
+        gyroid(),
         Workload::equation("sphere", "x^2 + y^2 + z^2 = 1", 1.2, &sphere()),
         Workload::equation("torus", "(sqrt(x^2 + y^2) - 1)^2 + z^2 = 0.16", 1.5, &torus()),
         Workload::equation(
@@ -98,15 +96,36 @@ pub fn all() -> Vec<Workload> {
             3.0,
             &tanglecube(),
         ),
-    ];
-    if let Some(data) = env::var_os("ZEROSET_DATA") {
-        let models = PathBuf::from(data).join("models");
-        all.push(Workload::model("bear.vm", &models.join("bear.vm")));
-        all.push(Workload::model("prospero.vm", &models.join("prospero.vm")).cut(0.1));
-    } else {
-        eprintln!("ZEROSET_DATA is not set: the models are left out");
-    }
+    ]);
+    all.extend(model("bear.vm"));
+    all.extend(model("prospero.vm").map(|prism| prism.cut(0.1)));
     all
+}
+
+/// What pictures are made of: closed towards the viewer, because Fidget closes what leaves the domain.
+pub fn pictured() -> Vec<Workload> {
+    let mut all = scenes();
+    all.extend([gyroid().cut(15.0)]);
+    all.extend(model("bear.vm"));
+    all
+}
+
+/// The paper's scenes.
+fn scenes() -> Vec<Workload> {
+    vec![
+        Workload::scene("Scene 1", "scene1.toml", &blend()),
+        Workload::scene("Scene 2", "scene2.toml", &lobes(4.0, 8.0)),
+        Workload::scene("Scene 3", "scene3.toml", &lobes(3.0, 4.0)),
+    ]
+}
+
+/// A model, where `ZEROSET_DATA` says where models are.
+fn model(file: &'static str) -> Option<Workload> {
+    let Some(data) = env::var_os("ZEROSET_DATA") else {
+        eprintln!("ZEROSET_DATA is not set: {file} is left out");
+        return None;
+    };
+    Some(Workload::model(file, &PathBuf::from(data).join("models").join(file)))
 }
 
 /// configs/scene1.toml
@@ -142,9 +161,14 @@ fn lobes(a: f32, b: f32) -> Tree {
     r - (theta * a).sin() * (phi * b).sin()
 }
 
-fn gyroid() -> Tree {
+fn gyroid() -> Workload {
     let (x, y, z) = Tree::axes();
-    x.sin() * y.cos() + y.sin() * z.cos() + z.sin() * x.cos()
+    Workload::equation(
+        "gyroid, five periods",
+        "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x) = 0",
+        5.0 * std::f64::consts::PI,
+        &(x.sin() * y.cos() + y.sin() * z.cos() + z.sin() * x.cos()),
+    )
 }
 
 fn sphere() -> Tree {
