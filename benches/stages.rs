@@ -8,10 +8,10 @@ use divan::Bencher;
 use rayon::ThreadPool;
 use zeroset::{
     math::{Lattice, SimdLevel},
-    octree::MortonOctree,
+    octree::{Detail, MortonOctree},
     output::{exr, png},
     progress::Unwatched,
-    raster::{self, Camera, Drawn, Frame, Layer, Source},
+    raster::{self, Camera, Coloring, Drawn, Frame, Layer, Source},
     scene::{self, Scene},
     voxelize::{Settings, voxelize},
 };
@@ -44,7 +44,14 @@ fn find(scene: &Scene, lattice: &Lattice) -> MortonOctree {
 fn draw(scene: &Scene, lattice: &Lattice, octree: &MortonOctree) -> Frame {
     let material = scene.surfaces[0].material;
     let tape = scene.surfaces[0].expr.tape();
-    let layers = [Layer { source: Source::Stored(octree), lattice, material, tape: Some(&tape) }];
+    let detail = Detail::new(octree, lattice);
+    let layers = [Layer {
+        source: Source::Stored(&detail),
+        lattice,
+        material,
+        coloring: &Coloring::Plain,
+        tape: Some(&tape),
+    }];
     let content = Drawn { voxels: vec![(octree, lattice)], models: &[] };
     let camera = Camera::new(&scene.view, 1.0, &content);
     let simd = SimdLevel::detect();
