@@ -102,6 +102,7 @@ fn render(scene: &str, size: Size) -> Result<Picture, Failed> {
         simd: None,
         max_memory: None,
         find_all: true,
+        frames: None,
     };
     pipeline::render(&scene, &options, &Unwatched).map_err(|error| error.to_string().into())
 }

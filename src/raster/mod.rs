@@ -18,13 +18,16 @@
 mod block;
 mod camera;
 mod digest;
+mod film;
 mod fit;
 mod frame;
 mod layer;
 mod light;
 #[cfg(test)]
 mod mock;
+mod motion;
 mod paint;
+mod path;
 mod resolve;
 mod screen;
 mod settings;
@@ -44,6 +47,8 @@ pub use digest::{FrameDigest, PlaneDigest};
 pub use fit::Content;
 pub use frame::Frame;
 pub use layer::{Drawn, Layer, Source};
+pub use motion::{Motion, time};
+pub use path::Path;
 pub use settings::{Axes, ImageSettings, Light, Material, Placement, Projection, Shade, View};
 
 pub use triangles::Model;

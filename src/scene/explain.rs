@@ -8,8 +8,19 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 10] = [
-    "version", "params", "let", "surface", "domain", "voxels", "camera", "light", "image", "output",
+const SECTIONS: [&str; 12] = [
+    "version",
+    "params",
+    "let",
+    "surface",
+    "model",
+    "domain",
+    "voxels",
+    "camera",
+    "light",
+    "image",
+    "output",
+    "animation",
 ];
 
 /// A key outside the sections, or a section, that does not exist.
@@ -33,21 +44,25 @@ fn place_of(key: &str) -> Option<&'static str> {
         "resolution" => "[voxels]",
         "width" | "height" | "background" => "[image]",
         "fov" | "eye" | "target" | "projection" => "[camera]",
+        "frames" | "turntable" | "fps" => "[animation]",
         _ => return None,
     })
 }
 
-/// How to name the table in which a mistake was made: the section, or the inline table that is
-/// the value of `entry`.
+/// How to name the table in which a mistake was made: the section, or the table that is the value of
+/// `entry` or among its values.
 pub(super) fn place_of_key(
     section: &str,
     entry: Option<Entry<'_, '_>>,
     at: &Range<usize>,
 ) -> String {
+    let is_table = |value: &DeValue<'_>| matches!(value, DeValue::Table(_));
+    let holds_tables = |value: &DeValue<'_>| match value {
+        DeValue::Array(values) => values.iter().any(|value| is_table(value.get_ref())),
+        value => is_table(value),
+    };
     match entry {
-        Some((key, value))
-            if matches!(value.get_ref(), DeValue::Table(_)) && value.span().start <= at.start =>
-        {
+        Some((key, value)) if holds_tables(value.get_ref()) && value.span().start <= at.start => {
             format!("`{}`", key.get_ref())
         }
         _ => section.to_owned(),

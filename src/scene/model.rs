@@ -1,6 +1,6 @@
 //! Polygon models: files that lie beside the scene, and where their polygons go.
 
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -16,7 +16,11 @@ const WHITE: Color = Color([1.0; 3]);
 
 impl Lower<'_> {
     /// All models that could be made, after `n_surfaces` surfaces.
-    pub(super) fn models(&mut self, specs: &[Section<ModelSpec>], n_surfaces: usize) -> Vec<Model> {
+    pub(super) fn models(
+        &mut self,
+        specs: &[Section<ModelSpec>],
+        n_surfaces: usize,
+    ) -> Arc<[Model]> {
         let model = |(i, section)| self.model(n_surfaces + i, section);
         specs.iter().enumerate().filter_map(model).collect()
     }

@@ -3,7 +3,7 @@
 //! Every key is optional here; what is missing gets its default, or is missed, in
 //! `lower`. The docs of the fields are the reference of the file format.
 
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
@@ -48,6 +48,7 @@ pub(super) struct SceneSpec {
     pub(super) image: Section<ImageSpec>,
     #[schemars(default)]
     pub(super) output: Section<OutputSpec>,
+    pub(super) animation: Option<Section<AnimationSpec>>,
 }
 
 /// A section of the file, or what stands for one that is left out.
@@ -326,6 +327,45 @@ pub(super) enum ShadeSpec {
     Status,
 }
 
+/// A film: the scene and the camera change from frame to frame.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AnimationSpec {
+    /// How many frames, from 1 to 10000.
+    #[schemars(required, range(min = 1, max = 10000))]
+    pub(super) frames: Option<Spanned<Whole>>,
+    /// Degrees by which the camera turns about `up` from the first frame to one after the last;
+    /// 360 make a film that can be repeated.
+    pub(super) turntable: Option<Spanned<Number>>,
+    /// Frames a second in the animated PNG file, from 0.1 to 1000; 24 by default.
+    #[schemars(range(min = 0.1, max = 1000))]
+    pub(super) fps: Option<Spanned<Number>>,
+    /// Parameters that change: each with its values at even intervals from the first frame to the
+    /// last, at least two; between them it changes evenly.
+    #[serde(default)]
+    pub(super) params: BTreeMap<Spanned<String>, Spanned<Vec<Number>>>,
+    /// Places of the camera, at least two, between which it goes smoothly.
+    pub(super) key: Option<Spanned<Vec<Spanned<Table<KeySpec>>>>>,
+}
+
+/// A place of the camera. What is missing is as in `[camera]`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KeySpec {
+    /// When: 0 is the first frame and 1 the last.
+    #[schemars(range(min = 0, max = 1))]
+    pub(super) at: Spanned<Number>,
+    /// Where the camera is.
+    pub(super) eye: Spanned<Numbers<3>>,
+    /// What is in the picture's middle.
+    pub(super) target: Spanned<Numbers<3>>,
+    /// Perspective: the vertical angle of view in degrees.
+    #[schemars(range(min = 0.1, max = 179))]
+    pub(super) fov: Option<Spanned<Number>>,
+    /// Orthographic: the picture's height in scene units.
+    pub(super) height: Option<Spanned<Number>>,
+}
+
 /// The files: true, false or the name of a file below the output directory.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -338,4 +378,6 @@ pub(super) struct OutputSpec {
     pub(super) layers: Option<bool>,
     /// False by default. True: NAME.ply, all voxels as points with normals and colours.
     pub(super) ply: Option<Spanned<Target>>,
+    /// False by default. True: NAME.apng, a film in one file.
+    pub(super) apng: Option<Spanned<Target>>,
 }
