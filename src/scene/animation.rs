@@ -6,7 +6,6 @@ use super::{
     definitions::{no_parameter, settable},
     formula::Formula,
     frames::Script,
-    leaf::Table,
     lower::Lower,
     spanned::Spanned,
     spec::{AnimationSpec, CameraSpec, KeySpec, SceneSpec, Section},
@@ -65,7 +64,7 @@ fn between(values: &[f64], time: f64) -> f64 {
 impl Lower<'_> {
     /// The parameters that change.
     pub(super) fn tracks(&mut self, spec: &SceneSpec) -> Vec<Track> {
-        let params = spec.animation.iter().flat_map(|section| &section.spec.params);
+        let params = spec.animation.iter().flat_map(|section| &section.spec.params.spec);
         let mut tracks = Vec::new();
         for (name, values) in params {
             match settable(name.get_ref(), &spec.params, &spec.lets) {
@@ -100,12 +99,12 @@ impl Lower<'_> {
         let n_frames = self.whole("frames", animation.frames.as_ref(), 1..=MAX_FRAMES, 1);
         let fps = self.number("fps", animation.fps.as_ref(), 0.1..=1000.0, DEFAULT_FPS);
         let turn = self.number("turntable", animation.turntable.as_ref(), -1e6..=1e6, 0.0);
-        let (view, motion) = match &animation.key {
-            Some(keys) => self.along(keys, animation, &spec.camera, n_frames),
-            None if turn == 0.0 => (self.view(&spec.camera), Motion::Still),
-            None => (self.view(&spec.camera), Motion::Turn { degrees: turn }),
+        let (view, motion) = match &animation.key[..] {
+            [] if turn == 0.0 => (self.view(&spec.camera), Motion::Still),
+            [] => (self.view(&spec.camera), Motion::Turn { degrees: turn }),
+            keys => self.along(keys, animation, &spec.camera, n_frames),
         };
-        if motion == Motion::Still && animation.params.is_empty() && !section.is_damaged {
+        if motion == Motion::Still && animation.params.spec.is_empty() {
             self.warnings.push(
                 Diagnostic::new(section.span.clone(), "nothing moves in the film")
                     .help("add `turntable`, [animation.params] or [[animation.key]]"),
@@ -117,7 +116,7 @@ impl Lower<'_> {
     /// The way of the camera through its keys, and the view of the first of them.
     fn along(
         &mut self,
-        keys: &Spanned<Vec<Spanned<Table<KeySpec>>>>,
+        keys: &[Section<KeySpec>],
         animation: &AnimationSpec,
         camera: &Section<CameraSpec>,
         n_frames: u32,
@@ -129,40 +128,37 @@ impl Lower<'_> {
                     .help("remove it, or remove [[animation.key]]"),
             );
         }
-        self.no_place(&camera.spec);
-        let mut before = f64::NEG_INFINITY;
-        let mut views: Vec<(f64, View)> = Vec::new();
-        for key in keys.get_ref() {
-            let Table(spec) = key.get_ref();
-            let at = self.number("at", Some(&spec.at), 0.0..=1.0, 0.0);
-            if at <= before {
-                self.errors.push(
-                    Diagnostic::new(spec.at.span(), "`at` does not increase")
-                        .label(format!("must be above {before}, that of the key before")),
-                );
-            }
-            before = before.max(at);
-            views.push((at, self.view_of_key(spec, key, camera)));
-        }
-        let first = match &views[..] {
-            [] => return (self.view(&Section::default()), Motion::Still),
-            [(_, first), ..] => first.clone(),
-        };
-        if views.len() < 2 {
+        if let [alone] = keys {
             self.errors.push(
-                Diagnostic::new(keys.get_ref()[0].span(), "the camera has only one key")
+                Diagnostic::new(alone.span.clone(), "the camera has only one key")
                     .label("expected two or more")
                     .help("add another [[animation.key]], or write `eye` and `target` in [camera]"),
             );
         }
+        self.no_place(&camera.spec);
+        let mut before = f64::NEG_INFINITY;
+        let mut views: Vec<(f64, View)> = Vec::new();
+        for key in keys {
+            let at = self.number("at", key.spec.at.as_ref(), 0.0..=1.0, 0.0);
+            if let Some(written) = &key.spec.at
+                && at <= before
+            {
+                self.errors.push(
+                    Diagnostic::new(written.span(), "`at` does not increase")
+                        .label(format!("must be above {before}, that of the key before")),
+                );
+            }
+            before = before.max(at);
+            let mut view = self.view_of_key(key, camera);
+            view.up = views.first().map_or(view.up, |(_, first)| first.up);
+            views.push((at, view));
+        }
+        let first = views[0].1.clone();
         if !self.errors.is_empty() {
             return (first, Motion::Still);
         }
-        for (_, view) in &mut views {
-            view.up = first.up;
-        }
         let motion = Motion::Along(Path::new(&views));
-        self.never_along_up(keys, &motion.views(&first, n_frames));
+        self.never_along_up(&keys[0], &motion.views(&first, n_frames));
         (first, motion)
     }
 
@@ -186,31 +182,37 @@ impl Lower<'_> {
     }
 
     /// The view of one key: what it says takes the place of what `[camera]` says.
-    fn view_of_key(
-        &mut self,
-        spec: &KeySpec,
-        key: &Spanned<Table<KeySpec>>,
-        camera: &Section<CameraSpec>,
-    ) -> View {
+    fn view_of_key(&mut self, key: &Section<KeySpec>, camera: &Section<CameraSpec>) -> View {
+        let KeySpec { at, eye, target, fov, height } = &key.spec;
+        let given = [at.is_some(), eye.is_some(), target.is_some()];
+        for (name, _) in ["at", "eye", "target"].into_iter().zip(given).filter(|(_, is)| !is) {
+            if !key.is_damaged {
+                self.errors.push(
+                    Diagnostic::new(key.span.clone(), format!("the key has no `{name}`"))
+                        .help("every key says when (`at`) and where (`eye`, `target`)"),
+                );
+            }
+        }
+        let is_damaged = key.is_damaged || given.contains(&false);
         let spec = CameraSpec {
-            eye: Some(spec.eye.clone()),
-            target: Some(spec.target.clone()),
-            fov: spec.fov.clone().or(camera.spec.fov.clone()),
-            height: spec.height.clone().or(camera.spec.height.clone()),
+            eye: eye.clone(),
+            target: target.clone(),
+            fov: fov.clone().or(camera.spec.fov.clone()),
+            height: height.clone().or(camera.spec.height.clone()),
             direction: None,
             margin: None,
             ..camera.spec.clone()
         };
         // What is wrong in [camera] would be found again in every key.
         let n_known = self.errors.len();
-        let view = self.view(&Section { spec, ..Section::default() });
+        let view = self.view(&Section { spec, span: key.span.clone(), is_damaged });
         let (known, new) = self.errors.split_at(n_known);
         let new = new.iter().filter(|mistake| !known.contains(mistake)).cloned().collect();
         self.errors.truncate(n_known);
         self.errors.extend::<Vec<Diagnostic>>(new);
-        if view.projection == (Projection::Orthographic { height: None }) {
+        if view.projection == (Projection::Orthographic { height: None }) && !is_damaged {
             self.errors.push(
-                Diagnostic::new(key.span(), "the key has no `height`")
+                Diagnostic::new(key.span.clone(), "the key has no `height`")
                     .label("how much does the picture show?")
                     .help("add `height`, the picture's height in scene units, here or in [camera]"),
             );
@@ -219,7 +221,7 @@ impl Lower<'_> {
     }
 
     /// Between keys the camera may come to look along `up`, where the picture would whirl around.
-    fn never_along_up(&mut self, keys: &Spanned<Vec<Spanned<Table<KeySpec>>>>, views: &[View]) {
+    fn never_along_up(&mut self, first: &Section<KeySpec>, views: &[View]) {
         let is_along = |view: &View| match view.placement {
             Placement::LookAt { eye, target } => super::camera::parallel(eye - target, view.up),
             Placement::Fit { .. } => false,
@@ -227,7 +229,7 @@ impl Lower<'_> {
         if let Some(frame) = views.iter().position(is_along) {
             let message = format!("in frame {} the camera looks along `up`", frame + 1);
             self.errors.push(
-                Diagnostic::new(keys.get_ref()[0].span(), message)
+                Diagnostic::new(first.span.clone(), message)
                     .help("choose another `up` in [camera], or add a key that leads around"),
             );
         }

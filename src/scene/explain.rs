@@ -49,20 +49,17 @@ fn place_of(key: &str) -> Option<&'static str> {
     })
 }
 
-/// How to name the table in which a mistake was made: the section, or the table that is the value of
-/// `entry` or among its values.
+/// How to name the table in which a mistake was made: the section, or the inline table that is
+/// the value of `entry`.
 pub(super) fn place_of_key(
     section: &str,
     entry: Option<Entry<'_, '_>>,
     at: &Range<usize>,
 ) -> String {
-    let is_table = |value: &DeValue<'_>| matches!(value, DeValue::Table(_));
-    let holds_tables = |value: &DeValue<'_>| match value {
-        DeValue::Array(values) => values.iter().any(|value| is_table(value.get_ref())),
-        value => is_table(value),
-    };
     match entry {
-        Some((key, value)) if holds_tables(value.get_ref()) && value.span().start <= at.start => {
+        Some((key, value))
+            if matches!(value.get_ref(), DeValue::Table(_)) && value.span().start <= at.start =>
+        {
             format!("`{}`", key.get_ref())
         }
         _ => section.to_owned(),
@@ -96,9 +93,13 @@ pub(super) fn refused(error: &toml::de::Error, at: Range<usize>, place: &str) ->
 }
 
 fn wrong_type(at: Range<usize>, found: &str, expected: &str) -> Diagnostic {
-    let expected = if expected == "a boolean" { "true or false" } else { expected };
+    let expected = match expected {
+        "a boolean" => "true or false",
+        "a sequence" => "an array of numbers",
+        other => other,
+    };
     let diagnostic = with_help(at, &format!("expected {expected}"), Some(found));
-    if expected.starts_with("an array of 3") {
+    if expected.starts_with("an array of") {
         return diagnostic.help("write numbers in square brackets, as in [0, -1.5, 2]");
     }
     match expected.ends_with("number") && is_text_with_digits(found) {

@@ -6,7 +6,7 @@
 use std::{collections::BTreeMap, ops::Range};
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 use super::{
     definitions::Named,
@@ -52,7 +52,7 @@ pub(super) struct SceneSpec {
 }
 
 /// A section of the file, or what stands for one that is left out.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Section<T> {
     pub(super) spec: T,
     /// Its header, or the inline table.
@@ -60,6 +60,15 @@ pub(super) struct Section<T> {
     /// Whether entries were refused and left out of `spec`: then it is no use to complain that
     /// something is missing.
     pub(super) is_damaged: bool,
+}
+
+/// A section within another, without a mistake.
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Section<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let table = toml::Spanned::<Table<T>>::deserialize(deserializer)?;
+        let span = table.span();
+        Ok(Self { spec: table.into_inner().0, span, is_damaged: false })
+    }
 }
 
 impl<T: JsonSchema> JsonSchema for Section<T> {
@@ -343,22 +352,25 @@ pub(super) struct AnimationSpec {
     /// Parameters that change: each with its values at even intervals from the first frame to the
     /// last, at least two; between them it changes evenly.
     #[serde(default)]
-    pub(super) params: BTreeMap<Spanned<String>, Spanned<Vec<Number>>>,
+    pub(super) params: Section<BTreeMap<Spanned<String>, Spanned<Vec<Number>>>>,
     /// Places of the camera, at least two, between which it goes smoothly.
-    pub(super) key: Option<Spanned<Vec<Spanned<Table<KeySpec>>>>>,
+    #[serde(default)]
+    pub(super) key: Vec<Section<KeySpec>>,
 }
 
 /// A place of the camera. What is missing is as in `[camera]`.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct KeySpec {
     /// When: 0 is the first frame and 1 the last.
-    #[schemars(range(min = 0, max = 1))]
-    pub(super) at: Spanned<Number>,
+    #[schemars(required, range(min = 0, max = 1))]
+    pub(super) at: Option<Spanned<Number>>,
     /// Where the camera is.
-    pub(super) eye: Spanned<Numbers<3>>,
+    #[schemars(required)]
+    pub(super) eye: Option<Spanned<Numbers<3>>>,
     /// What is in the picture's middle.
-    pub(super) target: Spanned<Numbers<3>>,
+    #[schemars(required)]
+    pub(super) target: Option<Spanned<Numbers<3>>>,
     /// Perspective: the vertical angle of view in degrees.
     #[schemars(range(min = 0.1, max = 179))]
     pub(super) fov: Option<Spanned<Number>>,
