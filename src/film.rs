@@ -64,9 +64,10 @@ pub fn run(
         }
         picture.statistics.time_s.write = start.elapsed().as_secs_f64();
         picture.statistics.peak_memory_bytes = limits::peak_memory_bytes();
-        if report.notes.is_empty() {
+        // Those of one frame: what is true of many would be said of each.
+        if report.notes.len() == film.notes.len() {
             let note = |note| format!("frame {number}: {note}");
-            report.notes = picture.notes.into_iter().map(note).collect();
+            report.notes.extend(picture.notes.into_iter().map(note));
         }
         report.n_frames += 1;
         done(picture.statistics)?;
