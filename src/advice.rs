@@ -1,5 +1,7 @@
 //! What to tell about a surface that is not where it was looked for, with numbers and a way out.
 
+use std::borrow::Borrow;
+
 use glam::DVec3;
 
 use crate::{
@@ -24,16 +26,17 @@ const EXTENT_SLACK: f64 = 0.05;
 
 /// The box that holds all of `surfaces`, for a scene that gives none, and a note that says which.
 #[must_use]
-pub fn choose_domain<'a>(
-    surfaces: impl Iterator<Item = (&'a str, &'a Expr)>,
+pub fn choose_domain(
+    surfaces: impl Iterator<Item = (impl AsRef<str>, impl Borrow<Expr>)>,
     simd: SimdLevel,
 ) -> (Aabb, String) {
     let mut whole = Extent::Nothing;
     let mut unbounded = Vec::new();
     for (name, expr) in surfaces {
-        let extent = find_extent(expr, simd);
-        if extent == Extent::Unbounded {
-            unbounded.push(format!("`{name}`"));
+        let extent = find_extent(expr.borrow(), simd);
+        let name = format!("`{}`", name.as_ref());
+        if extent == Extent::Unbounded && !unbounded.contains(&name) {
+            unbounded.push(name);
         }
         whole = whole.union(extent);
     }

@@ -12,7 +12,7 @@
 //! | [`raster`] | octrees and a [`Camera`](raster::Camera) | a [`Frame`](raster::Frame) |
 //! | [`output`] | a frame | PNG and EXR |
 //!
-//! [`pipeline`] puts them together; [`cli`] is the command `render` around it.
+//! [`pipeline`] puts them together, and [`film`] repeats it for many frames; [`cli`] is the command `render` around it.
 //!
 //! # From a formula to voxels
 //!
@@ -80,6 +80,7 @@ pub mod diagnostic;
 mod error;
 pub mod eval;
 pub mod expr;
+pub mod film;
 pub mod limits;
 pub mod math;
 pub mod octree;

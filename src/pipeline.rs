@@ -1,6 +1,6 @@
 //! From a scene to files: the only place where one stage hands its result to the next.
 
-use std::{num::NonZeroUsize, path::PathBuf, thread, time::Instant};
+use std::{num::NonZeroUsize, ops::RangeInclusive, path::PathBuf, thread, time::Instant};
 
 use crate::{
     Error, Result, advice,
@@ -32,6 +32,8 @@ pub struct Options {
     /// Whether all voxels are found, and not only those that the picture shows, unless the scene
     /// says.
     pub find_all: bool,
+    /// The frames of a film that are drawn, by their numbers, which begin with 1; all where `None`.
+    pub frames: Option<RangeInclusive<u32>>,
 }
 
 /// What a run did.
@@ -62,7 +64,8 @@ pub struct Picture {
     pub notes: Vec<String>,
 }
 
-/// Renders `scene` and writes its files.
+/// Renders `scene` and writes its files; of a film, the first frame as a picture, see
+/// [`crate::film`].
 ///
 /// # Errors
 /// [`Error::Empty`] if no surface meets the domain, [`Error::Limit`] if the scene is too large,
@@ -91,23 +94,41 @@ pub fn check(scene: &Scene) -> Result<()> {
 /// # Errors
 /// As [`run`], without those of files.
 pub fn render(scene: &Scene, options: &Options, progress: &dyn Progress) -> Result<Picture> {
+    with_threads(options, || render_with_all_threads(scene, None, options, progress))?
+}
+
+/// Renders a frame of a film, which may show nothing, as `camera` sees it.
+///
+/// # Errors
+/// As [`render`].
+pub(crate) fn render_frame(
+    frame: &Scene,
+    camera: &Camera,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Picture> {
+    with_threads(options, || render_with_all_threads(frame, Some(camera), options, progress))?
+}
+
+/// Runs `work` in a pool with as many threads as the options say.
+pub(crate) fn with_threads<T: Send>(
+    options: &Options,
+    work: impl FnOnce() -> T + Send,
+) -> Result<T> {
     let n_threads = options
         .threads
         .or_else(|| thread::available_parallelism().ok())
         .map_or(1, NonZeroUsize::get);
-    with_threads(n_threads, || render_with_all_threads(scene, options, progress))?
-}
-
-/// Runs `work` in a pool of its own.
-fn with_threads<T: Send>(n_threads: usize, work: impl FnOnce() -> T + Send) -> Result<T> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build();
     let pool =
         pool.map_err(|error| Error::Limit(format!("cannot start {n_threads} threads: {error}")))?;
     Ok(pool.install(work))
 }
 
+/// A scene without a camera of its own must show something.
 fn render_with_all_threads(
     scene: &Scene,
+    camera: Option<&Camera>,
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Picture> {
@@ -119,11 +140,13 @@ fn render_with_all_threads(
 
     let start = Instant::now();
     let coarse = coarse_voxels(scene, &lattice, simd)?;
-    if coarse.voxelizations.iter().all(|found| found.octree.voxel_count() == 0) {
+    let is_frame = camera.is_some();
+    if !is_frame && coarse.is_empty() {
         return Err(nothing_found(scene, &lattice, simd));
     }
-    let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
-    let camera = Camera::new(&scene.view, aspect, &coarse.drawn(&scene.models));
+    let camera = camera.cloned().unwrap_or_else(|| {
+        Camera::new(&scene.view, scene.image.aspect(), &coarse.drawn(&scene.models))
+    });
 
     let is_visible_only = is_visible_only(scene, options, &lattice);
     let whole = if is_visible_only {
@@ -131,7 +154,7 @@ fn render_with_all_threads(
         Whole::default()
     } else {
         let (voxelizations, n_voxels) = find_voxels(scene, &lattice, simd, &memory, progress)?;
-        if n_voxels == 0 {
+        if n_voxels == 0 && !is_frame {
             return Err(nothing_found(scene, &lattice, simd));
         }
         notes.extend(notes_on(scene, &voxelizations, &lattice, simd));
@@ -207,12 +230,16 @@ impl Whole {
 }
 
 /// Large voxels, by which the camera is placed: the same whichever voxels are found after them.
-struct Coarse {
-    lattice: Lattice,
-    voxelizations: Vec<Voxelization>,
+pub(crate) struct Coarse {
+    pub(crate) lattice: Lattice,
+    pub(crate) voxelizations: Vec<Voxelization>,
 }
 
 impl Coarse {
+    fn is_empty(&self) -> bool {
+        self.voxelizations.iter().all(|found| found.octree.voxel_count() == 0)
+    }
+
     /// What the camera is to show.
     fn drawn<'a>(&'a self, models: &'a [Model]) -> Drawn<'a> {
         let octrees = self.voxelizations.iter().map(|found| &found.octree as &dyn Storage);
@@ -223,7 +250,8 @@ impl Coarse {
 /// Voxels along the longest axis for placing the camera, at most.
 const COARSE: u32 = 128;
 
-fn coarse_voxels(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Result<Coarse> {
+/// Finds them for all surfaces.
+pub(crate) fn coarse_voxels(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Result<Coarse> {
     let resolution = lattice.n_voxels().into_iter().max().unwrap_or(1);
     let levels = resolution.div_ceil(COARSE).next_power_of_two().ilog2();
     let coarse = Lattice::new(lattice.bounds(), (resolution >> levels).max(1));
@@ -254,14 +282,14 @@ pub fn lattice(scene: &Scene, resolution: Option<u32>) -> Lattice {
 }
 
 /// Adds a note if the domain had to be found.
-fn choose_lattice(
+pub(crate) fn choose_lattice(
     scene: &Scene,
     resolution: Option<u32>,
     simd: SimdLevel,
     notes: &mut Vec<String>,
 ) -> Lattice {
     let domain = scene.domain.unwrap_or_else(|| {
-        let surfaces = scene.surfaces.iter().map(|s| (s.name.as_str(), &s.expr));
+        let surfaces = scene.surfaces.iter().map(|s| (&s.name, &s.expr));
         let (domain, note) = advice::choose_domain(surfaces, simd);
         notes.push(note);
         domain
@@ -296,7 +324,7 @@ fn find_voxels(
 }
 
 /// Says why there is no voxel.
-fn nothing_found(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Error {
+pub(crate) fn nothing_found(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Error {
     let why =
         |surface: &Surface| advice::why_empty(&surface.name, &surface.expr, lattice.bounds(), simd);
     Error::Empty(scene.surfaces.iter().map(why).collect::<Vec<_>>().join("\n"))
@@ -320,7 +348,8 @@ fn notes_on(
     scene.surfaces.iter().zip(voxelizations).filter_map(about).collect()
 }
 
-fn write(
+/// Writes the files of a scene, and tells which.
+pub(crate) fn write(
     scene: &Scene,
     options: &Options,
     picture: &Picture,

@@ -142,6 +142,9 @@ impl Bytes {
 /// The picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct Frame {
+    /// Its number in a film, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub number: Option<u32>,
     /// Width and height in pixels.
     pub size_px: [u32; 2],
     /// Pixels that show a surface.
@@ -173,6 +176,7 @@ impl From<&FrameDigest> for Frame {
     fn from(digest: &FrameDigest) -> Self {
         let of = |plane: &PlaneDigest| hex(plane.hash);
         Self {
+            number: None,
             size_px: digest.size_px,
             covered: digest.n_covered,
             digests: FrameDigests {

@@ -28,6 +28,7 @@ fn render(scene: &Scene, threads: usize, simd: Option<SimdLevel>, find_all: bool
         simd,
         max_memory: None,
         find_all,
+        frames: None,
     };
     pipeline::render(scene, &options, &Unwatched).unwrap()
 }

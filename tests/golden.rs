@@ -1,4 +1,5 @@
 //! Reference pictures: every scene in `configs/` at a small size, and the paper's at full resolution.
+//! Of a film one frame is compared.
 //!
 //! The pixels of `golden/image/NAME.png` and the lines of `golden/image/NAME.digest` (octrees,
 //! and size, range and hash of every layer) must be met exactly. A failure leaves one picture with
@@ -17,6 +18,7 @@ use std::{
 use image::{Rgba, RgbaImage};
 use libtest_mimic::{Arguments, Failed, Trial};
 use zeroset::{
+    film::Film,
     output::png,
     pipeline::{self, Options, Picture},
     progress::Unwatched,
@@ -102,8 +104,15 @@ fn render(scene: &str, size: Size) -> Result<Picture, Failed> {
         simd: None,
         max_memory: None,
         find_all: true,
+        frames: None,
     };
-    pipeline::render(&scene, &options, &Unwatched).map_err(|error| error.to_string().into())
+    let picture = match scene.n_frames() {
+        0 => pipeline::render(&scene, &options, &Unwatched),
+        // Neither the first nor the last, nor one between that is like them.
+        n => Film::new(&scene, &options, &Unwatched)
+            .and_then(|film| film.picture(n / 3 + 1, &Unwatched)),
+    };
+    picture.map_err(|error| error.to_string().into())
 }
 
 fn digest(picture: &Picture) -> String {

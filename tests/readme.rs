@@ -66,6 +66,20 @@ fn the_scene_with_names_renders_and_can_be_set() {
 }
 
 #[test]
+fn the_film_renders() {
+    let scene = block("toml", "[animation]");
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("film.toml"), scene).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_render"))
+        .current_dir(directory.path())
+        .args(["film.toml", "--resolution", "32", "--frames", "24"])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(directory.path().join("out/film_0024.png").exists());
+}
+
+#[test]
 fn the_function_graph_is_a_surface() {
     let graph = zeroset::expr::Expr::from_vm(&block("text", "var-x")).unwrap();
     assert_eq!(graph.constant(), None);

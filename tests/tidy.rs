@@ -10,7 +10,7 @@ use std::{
 
 /// Every top-level module with the modules that it may use; data flows from left to right through
 /// the pipeline, so nobody uses what comes after.
-const MAY_USE: [(&str, &[&str]); 18] = [
+const MAY_USE: [(&str, &[&str]); 19] = [
     ("math", &[]),
     ("diagnostic", &[]),
     ("progress", &[]),
@@ -42,10 +42,35 @@ const MAY_USE: [(&str, &[&str]); 18] = [
             "voxelize",
         ],
     ),
+    (
+        "film",
+        &[
+            "advice",
+            "limits",
+            "math",
+            "octree",
+            "output",
+            "pipeline",
+            "progress",
+            "raster",
+            "scene",
+            "statistics",
+        ],
+    ),
     ("yields", &["math", "progress", "scene", "voxelize"]),
     (
         "cli",
-        &["diagnostic", "math", "output", "pipeline", "progress", "scene", "statistics", "yields"],
+        &[
+            "diagnostic",
+            "film",
+            "math",
+            "output",
+            "pipeline",
+            "progress",
+            "scene",
+            "statistics",
+            "yields",
+        ],
     ),
 ];
 

@@ -1,6 +1,6 @@
 //! What was typed, and what it asks for. Nothing else sees clap.
 
-use std::{num::NonZeroUsize, path::PathBuf, thread};
+use std::{num::NonZeroUsize, ops::RangeInclusive, path::PathBuf, thread};
 
 use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
 use clap_complete::Shell;
@@ -14,6 +14,7 @@ Examples:
   render heart.toml --resolution 64          a quick look
   render knot.toml --set a=0.4 --set n=3     with other values of its parameters
   render *.toml --out pictures --quiet       many scenes, and nothing said unless something fails
+  render turn.toml --frames 10-19            ten frames of a film
   render heart.toml --stats - | jq .         what was done, as JSON
 
 Exit codes:
@@ -53,6 +54,10 @@ struct RenderArgs {
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
     resolution: Option<u32>,
 
+    /// Frames of a film to draw, such as 10-19 or 7 [default: all]
+    #[arg(long, value_name = "A-B", value_parser = frames)]
+    frames: Option<RangeInclusive<u32>>,
+
     /// Memory that may be taken, such as 800M or 12G [default: three quarters of the machine's]
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     max_memory: Option<u64>,
@@ -61,7 +66,8 @@ struct RenderArgs {
     #[arg(long, value_name = "LEVEL", value_parser = simd_level)]
     simd: Option<SimdLevel>,
 
-    /// Write statistics to FILE (- for standard output): one JSON object a line for each scene
+    /// Write statistics to FILE (- for standard output): one JSON object a line for each scene or
+    /// frame
     #[arg(long, value_name = "FILE|-")]
     stats: Option<PathBuf>,
 }
@@ -149,6 +155,15 @@ fn bytes(text: &str) -> Result<u64, String> {
         .ok_or_else(|| "write a number such as 800M or 12G".to_owned())
 }
 
+/// `A-B` or a single number, from 1.
+fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    match (first.parse(), last.parse()) {
+        (Ok(first), Ok(last)) if 1 <= first && first <= last => Ok(first..=last),
+        _ => Err("write a number from 1, or a range such as 10-19".to_owned()),
+    }
+}
+
 /// Where statistics go.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum StatsTarget {
@@ -207,6 +222,7 @@ fn render(args: RenderArgs) -> Plan {
             simd: args.simd,
             max_memory: args.max_memory,
             find_all: args.stats.is_some(),
+            frames: args.frames,
         },
         stats: match args.stats {
             None => StatsTarget::Nowhere,

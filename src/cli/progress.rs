@@ -17,7 +17,8 @@ const BAR: &str = "{msg} [{wide_bar}] {human_pos}/{human_len} {prefix}, {rate}/s
 /// How often the bar is drawn, per second.
 const REFRESH_HZ: u8 = 10;
 
-/// Draws progress on a terminal and learns of ctrl-c.
+/// Draws progress on a terminal and learns of ctrl-c. Clones are the same bar.
+#[derive(Clone)]
 pub(super) struct Watch {
     bar: ProgressBar,
     is_cancelled: Arc<AtomicBool>,

@@ -13,10 +13,10 @@ use super::{
     report,
 };
 use crate::{
-    Error, Result, output,
+    Error, Result, film, output,
     pipeline::{self, Options},
     progress::Progress as _,
-    scene::{self, Scene},
+    scene::{self, Outputs, Scene},
     statistics::Statistics,
 };
 
@@ -33,7 +33,7 @@ struct Session {
     options: Options,
     target: StatsTarget,
     watch: Watch,
-    /// The statistics so far, one line a scene.
+    /// The statistics so far, one line a scene or frame.
     stats: String,
     /// Which scene each file comes from.
     claimed: HashMap<PathBuf, PathBuf>,
@@ -71,18 +71,39 @@ impl Session {
             report::warnings(&scene);
         }
         self.claim(path, &scene)?;
-        let report = pipeline::run(&scene, &self.options, &self.watch)?;
+        let (notes, written) = if scene.animation.is_some() {
+            let film = self.film(&scene)?;
+            (film.notes, report::film(&film.written, film.n_frames))
+        } else {
+            let report = pipeline::run(&scene, &self.options, &self.watch)?;
+            self.record(&report.statistics)?;
+            self.save()?;
+            (report.notes, report::files(&report.written))
+        };
         self.watch.clear();
         if !self.scenes.quiet {
-            report::notes(path, &report);
-            report::summary(path, &report, start.elapsed());
+            report::notes(path, &notes);
+            report::summary(path, &written, start.elapsed());
         }
-        self.record(&report.statistics)
+        Ok(())
     }
 
-    /// Refuses a scene that would overwrite the files of one before it.
+    /// Makes a film. The statistics of what was done are kept if it is cut short.
+    fn film(&mut self, scene: &Scene) -> Result<film::Report> {
+        let options = self.options.clone();
+        let watch = self.watch.clone();
+        let made = film::run(scene, &options, &watch, |statistics| self.record(&statistics));
+        self.save().and(made)
+    }
+
+    /// Refuses a scene that would overwrite the files of one before it, or lacks frames.
     fn claim(&mut self, path: &Path, scene: &Scene) -> Result<()> {
-        for file in [&scene.outputs.png, &scene.outputs.exr].into_iter().flatten() {
+        let is_film = scene.animation.is_some() || self.options.frames.is_some();
+        let outputs = match is_film {
+            true => film::outputs(scene, &self.options)?,
+            false => vec![scene.outputs.clone()],
+        };
+        for file in outputs.iter().flat_map(Outputs::files) {
             if let Some(other) = self.claimed.insert(file.clone(), path.to_owned()) {
                 return Err(Error::Limit(format!(
                     "would overwrite {} of {}: give them different names or calls of their own",
@@ -94,22 +115,30 @@ impl Session {
         Ok(())
     }
 
-    /// Adds the statistics of a scene. The file is whole after every scene.
+    /// Adds the statistics of a scene or frame.
     fn record(&mut self, statistics: &Statistics) -> Result<()> {
-        let to_json = |path: &Path| {
-            serde_json::to_string(statistics)
-                .map(|line| line + "\n")
-                .map_err(|error| Error::Encode { path: path.to_owned(), reason: error.to_string() })
+        let (path, is_stdout) = match &self.target {
+            StatsTarget::Nowhere => return Ok(()),
+            StatsTarget::Stdout => (Path::new("standard output"), true),
+            StatsTarget::File(file) => (file.as_path(), false),
         };
+        let line = serde_json::to_string(statistics)
+            .map_err(|error| Error::Encode { path: path.to_owned(), reason: error.to_string() })?
+            + "\n";
+        if is_stdout {
+            return report::to_stdout(line.as_bytes());
+        }
+        self.stats += &line;
+        Ok(())
+    }
+
+    /// Writes the statistics so far, if they go to a file.
+    fn save(&self) -> Result<()> {
         match &self.target {
-            StatsTarget::Nowhere => Ok(()),
-            StatsTarget::Stdout => {
-                report::to_stdout(to_json(Path::new("standard output"))?.as_bytes())
-            }
             StatsTarget::File(file) => {
-                self.stats += &to_json(file)?;
                 output::write_file(file, |out| Ok(out.write_all(self.stats.as_bytes())?))
             }
+            _ => Ok(()),
         }
     }
 }

@@ -8,7 +8,7 @@ use std::{
     fmt::Write as _,
     io::{self, IsTerminal, Write},
     ops::Range,
-    path::Path,
+    path::{Path, PathBuf},
     time::Duration,
 };
 
@@ -20,7 +20,6 @@ use crate::{
     Error, Result,
     diagnostic::{Diagnostic, Sources},
     math::Aabb,
-    pipeline::Report,
     scene::Scene,
 };
 
@@ -54,18 +53,43 @@ pub(super) fn warnings(scene: &Scene) {
 }
 
 /// Says how the scene at `path` was understood, where it left that open.
-pub(super) fn notes(path: &Path, report: &Report) {
-    for note in &report.notes {
+pub(super) fn notes(path: &Path, notes: &[String]) {
+    for note in notes {
         let text = format!("{}: {note}", path.display());
         say(&renderer().render(&[Group::with_title(Level::NOTE.primary_title(&text))]));
     }
 }
 
-/// Says what was made of the scene at `path`.
-pub(super) fn summary(path: &Path, report: &Report, time: Duration) {
-    let files: Vec<_> = report.written.iter().map(|file| file.display().to_string()).collect();
-    let files = if files.is_empty() { "no files".to_owned() } else { files.join(", ") };
-    say(&format!("{}: wrote {files} in {:.2} s", path.display(), time.as_secs_f64()));
+/// The files of a picture, in words.
+pub(super) fn files(written: &[PathBuf]) -> String {
+    let files: Vec<_> = written.iter().map(|file| file.display().to_string()).collect();
+    if files.is_empty() { "no files".to_owned() } else { files.join(", ") }
+}
+
+/// The files of a film of `n_frames` frames, in words.
+pub(super) fn film(written: &[PathBuf], n_frames: u32) -> String {
+    let frames = if n_frames == 1 { "1 frame" } else { &format!("{n_frames} frames") };
+    let mut of_kinds: Vec<(&Path, &Path)> = Vec::new();
+    for file in written {
+        match of_kinds.iter_mut().find(|(first, _)| first.extension() == file.extension()) {
+            Some((_, last)) => *last = file,
+            None => of_kinds.push((file, file)),
+        }
+    }
+    let span = |&(first, last): &(&Path, &Path)| match first == last {
+        true => first.display().to_string(),
+        false => format!("{} to {}", first.display(), last.display()),
+    };
+    let files: Vec<String> = of_kinds.iter().map(span).collect();
+    match files.as_slice() {
+        [] => format!("{frames} and no files"),
+        files => format!("{frames}: {}", files.join(", ")),
+    }
+}
+
+/// Says what was made of the scene at `path`: the files, in words.
+pub(super) fn summary(path: &Path, written: &str, time: Duration) {
+    say(&format!("{}: wrote {written} in {:.2} s", path.display(), time.as_secs_f64()));
 }
 
 /// Says that nothing is wrong with the scene at `path`, and what it asks for.
@@ -83,8 +107,13 @@ pub(super) fn fine(path: &Path, scene: &Scene) {
     } else {
         scene.resolution.to_string()
     };
+    let frames = match scene.n_frames() {
+        0 => String::new(),
+        1 => ", 1 frame".to_owned(),
+        n => format!(", {n} frames"),
+    };
     say(&format!(
-        "{}: fine: {surfaces} in {domain}, resolution {resolution}, {} x {} pixels",
+        "{}: fine: {surfaces} in {domain}, resolution {resolution}, {} x {} pixels{frames}",
         path.display(),
         image.width,
         image.height,

@@ -7,10 +7,10 @@
 use std::{
     fs::{self, File},
     io::{self, BufWriter, Write},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
-use tempfile::{Builder, NamedTempFile};
+use tempfile::{Builder, NamedTempFile, TempPath};
 
 use super::{WriteError, Written};
 use crate::{Error, Result};
@@ -28,24 +28,64 @@ const BUFFER_BYTES: usize = 1 << 16;
 /// [`Error::Io`] if a folder or the file cannot be created, written or named, [`Error::Encode`] if
 /// `write` says that the data does not fit the format.
 pub fn write_file(path: &Path, write: impl FnOnce(&mut FileWriter) -> Written) -> Result<()> {
-    let failed = |action, path: &Path| {
-        let path = path.to_owned();
-        move |source| Error::Io { action, path, source }
-    };
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(folder).map_err(failed("create", folder))?;
-    let (file, unnamed) = new_file(folder).map_err(failed("create", path))?.into_parts();
-    let mut out = BufWriter::with_capacity(BUFFER_BYTES, file);
-    write(&mut out).and_then(|()| Ok(out.flush()?)).map_err(|error| match error {
+    let mut file = NewFile::create(path)?;
+    write(file.writer()).map_err(|error| failed_to_write(path, error))?;
+    file.keep()
+}
+
+/// A file that is written little by little. Unless it is kept, it vanishes and the old one stays.
+#[derive(Debug)]
+pub struct NewFile {
+    path: PathBuf,
+    out: FileWriter,
+    unnamed: TempPath,
+}
+
+impl NewFile {
+    /// Begins the file at `path`. Folders that are missing on the way to it are created.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if a folder or the file cannot be created.
+    pub fn create(path: &Path) -> Result<Self> {
+        let folder = match path.parent() {
+            Some(folder) if folder != Path::new("") => folder,
+            _ => Path::new("."),
+        };
+        fs::create_dir_all(folder).map_err(failed("create", folder))?;
+        let (file, unnamed) = new_file(folder).map_err(failed("create", path))?.into_parts();
+        let out = BufWriter::with_capacity(BUFFER_BYTES, file);
+        Ok(Self { path: path.to_owned(), out, unnamed })
+    }
+
+    /// Where its bytes go.
+    pub fn writer(&mut self) -> &mut FileWriter {
+        &mut self.out
+    }
+
+    /// Gives the file its name, in place of what was there.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if its last bytes cannot be written, or it cannot be named.
+    pub fn keep(self) -> Result<()> {
+        let Self { path, mut out, unnamed } = self;
+        out.flush().map_err(failed("write", &path))?;
+        // Windows cannot rename a file that is open.
+        drop(out);
+        unnamed.persist(&path).map_err(|error| failed("write", &path)(error.error))
+    }
+}
+
+fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> Error {
+    let path = path.to_owned();
+    move |source| Error::Io { action, path, source }
+}
+
+/// That the file at `path` was not written.
+pub(crate) fn failed_to_write(path: &Path, error: WriteError) -> Error {
+    match error {
         WriteError::Io(source) => failed("write", path)(source),
         WriteError::Encode(reason) => Error::Encode { path: path.to_owned(), reason },
-    })?;
-    // Windows cannot rename a file that is open.
-    drop(out);
-    unnamed.persist(path).map_err(|error| failed("write", path)(error.error))
+    }
 }
 
 /// A file that vanishes unless it is given a name, with the permissions of any new file.

@@ -3,13 +3,15 @@
 //! A format writes to any `Write`; [`write_file`] gives it a file that appears under its name only
 //! when it is complete. The same result gives the same bytes: no file holds a date.
 
+pub mod apng;
 mod atomic;
 pub mod exr;
 pub mod plot;
 pub mod ply;
 pub mod png;
 
-pub use atomic::{FileWriter, write_file};
+pub(crate) use atomic::failed_to_write;
+pub use atomic::{FileWriter, NewFile, write_file};
 
 /// What files say about the program that made them.
 const SOFTWARE: &str = concat!("zeroset ", env!("CARGO_PKG_VERSION"));

@@ -31,22 +31,35 @@ pub struct PngOptions {
 pub fn write(frame: &Frame, options: &PngOptions, out: impl Write) -> Result<(), WriteError> {
     let pixels = srgb8(frame);
     let is_opaque = pixels.iter().all(|pixel| pixel[3] == u8::MAX);
-    let mut encoder = Encoder::new(out, frame.width, frame.height);
+    let mut writer = encoder(frame.width, frame.height, is_opaque, options, out)?.write_header()?;
+    writer.write_image_data(&bytes(pixels, is_opaque))?;
+    Ok(writer.finish()?)
+}
+
+/// An encoder that says what is the same for all pictures; without alpha if they are opaque.
+pub(super) fn encoder<W: Write>(
+    width: u32,
+    height: u32,
+    is_opaque: bool,
+    options: &PngOptions,
+    out: W,
+) -> Result<Encoder<'static, W>, WriteError> {
+    let mut encoder = Encoder::new(out, width, height);
     encoder.set_depth(BitDepth::Eight);
+    encoder.set_color(if is_opaque { ColorType::Rgb } else { ColorType::Rgba });
     encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     encoder.set_source_gamma(ScaledFloat::from_scaled(SRGB_GAMMA));
     encoder.add_itxt_chunk("Software".into(), SOFTWARE.into())?;
     encoder.add_itxt_chunk("Description".into(), options.description.clone())?;
-    let bytes = if is_opaque {
-        encoder.set_color(ColorType::Rgb);
-        pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()
-    } else {
-        encoder.set_color(ColorType::Rgba);
-        pixels.into_flattened()
-    };
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(&bytes)?;
-    Ok(writer.finish()?)
+    Ok(encoder)
+}
+
+/// The pixels as they are stored.
+pub(super) fn bytes(pixels: Vec<[u8; 4]>, is_opaque: bool) -> Vec<u8> {
+    if is_opaque {
+        return pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+    }
+    pixels.into_flattened()
 }
 
 /// The picture that [`write()`] stores, for comparison in memory.
@@ -58,7 +71,7 @@ pub fn to_srgb8(frame: &Frame) -> RgbaImage {
     })
 }
 
-fn srgb8(frame: &Frame) -> Vec<[u8; 4]> {
+pub(super) fn srgb8(frame: &Frame) -> Vec<[u8; 4]> {
     frame.rgba.par_iter().map(|&rgba| srgb8_of(rgba)).collect()
 }
 

@@ -20,6 +20,18 @@ pub(super) struct Basis {
 }
 
 impl Basis {
+    /// The axes of a view.
+    ///
+    /// # Panics
+    /// If the view has no direction.
+    pub(super) fn of(view: &View) -> Self {
+        let forward = match view.placement {
+            Placement::Fit { direction, .. } => -direction,
+            Placement::LookAt { eye, target } => target - eye,
+        };
+        Self::looking(forward, view.up)
+    }
+
     /// Looks along `forward`, with `up` as far up in the picture as it goes. Where `up` is
     /// parallel to `forward`, z or else y points up.
     ///
@@ -47,8 +59,19 @@ impl Basis {
     }
 }
 
+/// The part of the half width and half height that the margin leaves to the content.
+pub(super) fn filled_part(margin: f64, aspect: f64) -> DVec2 {
+    1.0 - 2.0 * margin * aspect.min(1.0) / DVec2::new(aspect, 1.0)
+}
+
+/// Half width and half height, at depth 1, of what a picture in perspective shows.
+pub(super) fn half_size(fov_degrees: f64, aspect: f64) -> DVec2 {
+    let slope = libm::tan(0.5 * fov_degrees.to_radians());
+    DVec2::new(aspect * slope, slope)
+}
+
 /// Normalizes a vector of any length, without overflow on the way.
-fn unit(v: DVec3) -> DVec3 {
+pub(super) fn unit(v: DVec3) -> DVec3 {
     (v / v.abs().max_element()).normalize()
 }
 
@@ -74,17 +97,14 @@ impl Camera {
     /// fixed camera looks at its own place. The scene's checks exclude all of them.
     #[must_use]
     pub fn new(view: &View, aspect: f64, content: &(impl Content + ?Sized)) -> Self {
-        let (forward, margin) = match view.placement {
-            Placement::Fit { direction, margin } => (-direction, margin),
-            Placement::LookAt { eye, target } => (target - eye, 0.0),
+        let basis = Basis::of(view);
+        let filled = match view.placement {
+            Placement::Fit { margin, .. } => filled_part(margin, aspect),
+            Placement::LookAt { .. } => DVec2::ONE,
         };
-        let basis = Basis::looking(forward, view.up);
-        // The part of the half width and half height that the margin leaves to the content.
-        let filled = 1.0 - 2.0 * margin * aspect.min(1.0) / DVec2::new(aspect, 1.0);
         match view.projection {
             Projection::Perspective { fov_degrees } => {
-                let slope = libm::tan(0.5 * fov_degrees.to_radians());
-                let half_size = DVec2::new(aspect * slope, slope);
+                let half_size = half_size(fov_degrees, aspect);
                 let eye = match view.placement {
                     Placement::LookAt { eye, .. } => eye,
                     Placement::Fit { .. } => {

@@ -26,6 +26,12 @@ impl Content for [Aabb] {
     }
 }
 
+impl<A: Content, B: Content + ?Sized> Content for (A, &B) {
+    fn reach<const N: usize>(&self, directions: [DVec3; N]) -> [f64; N] {
+        fold_reach([self.0.reach(directions), self.1.reach(directions)])
+    }
+}
+
 /// The reach of a union, from the reach of its pieces in their order.
 pub(super) fn fold_reach<const N: usize>(pieces: impl IntoIterator<Item = [f64; N]>) -> [f64; N] {
     pieces.into_iter().fold([f64::NEG_INFINITY; N], |a, b| {

@@ -19,6 +19,7 @@ mod block;
 mod camera;
 mod color;
 mod digest;
+mod film;
 mod fit;
 mod frame;
 mod layer;
@@ -26,8 +27,10 @@ mod light;
 mod matcap;
 #[cfg(test)]
 mod mock;
+mod motion;
 mod occlusion;
 mod paint;
+mod path;
 mod resolve;
 mod screen;
 mod settings;
@@ -49,6 +52,8 @@ pub use fit::Content;
 pub use frame::Frame;
 pub use layer::{Drawn, Layer, Source};
 pub use matcap::Matcap;
+pub use motion::{Motion, time};
+pub use path::Path;
 pub use settings::{
     Axes, ColorMap, Coloring, ImageSettings, Light, Material, Palette, Placement, Projection,
     Quantity, Shade, View,

@@ -79,6 +79,14 @@ pub struct ImageSettings {
     pub curvature: bool,
 }
 
+impl ImageSettings {
+    /// How many times as wide as high the picture is.
+    #[must_use]
+    pub fn aspect(&self) -> f64 {
+        f64::from(self.width) / f64::from(self.height)
+    }
+}
+
 /// What stands for the surface in a voxel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shade {

@@ -144,7 +144,7 @@ impl Lower<'_> {
 }
 
 /// Whether two vectors point the same or the opposite way; a zero vector has no direction.
-fn parallel(a: DVec3, b: DVec3) -> bool {
+pub(super) fn parallel(a: DVec3, b: DVec3) -> bool {
     let sine = a.normalize_or_zero().cross(b.normalize_or_zero()).length();
     a != DVec3::ZERO && b != DVec3::ZERO && sine < MIN_UP_SINE
 }

@@ -98,7 +98,8 @@ struct Setting {
 
 impl Lower<'_> {
     /// Makes the definitions of the scene known to all formulas that are resolved afterwards.
-    pub(super) fn define(&mut self, params: &Named, lets: &Named) {
+    /// Parameters that change during a film have their values at `time`, from 0 to 1.
+    pub(super) fn define(&mut self, params: &Named, lets: &Named, time: f64) {
         let mut settings = self.settings(params, lets);
         let params = params.0.iter().map(|entry| (DefinitionKind::Parameter, entry));
         let lets = lets.0.iter().map(|entry| (DefinitionKind::Let, entry));
@@ -111,7 +112,14 @@ impl Lower<'_> {
                     let set = settings.swap_remove(index);
                     (set.formula, set.ast)
                 }
-                None => (entry.formula.clone(), ast),
+                None => match self.tracks.iter().find(|track| track.name == name) {
+                    Some(track) => {
+                        let formula = track.formula(time, self.source);
+                        let ast = self.parse(&formula);
+                        (formula, ast)
+                    }
+                    None => (entry.formula.clone(), ast),
+                },
             };
             // An empty tree stands for a formula that could not be read.
             let ast = ast.unwrap_or_else(|| Ast { nodes: Vec::new() });
@@ -152,11 +160,21 @@ impl Lower<'_> {
                     let formula = Formula::in_setting(index, argument, value);
                     let ast = self.parse(&formula);
                     match settable(&argument[name.clone()], params, lets) {
+                        Ok(set) if self.tracks.iter().any(|track| track.name == set) => {
+                            let mistake = Diagnostic::new(name, format!("`{set}` cannot be set"))
+                                .label("changes during the film")
+                                .help("its values stand in [animation.params]");
+                            self.errors.push(in_setting(index, mistake));
+                        }
                         Ok(name) => {
                             settings.retain(|other| other.name != name);
                             settings.push(Setting { name, formula, ast });
                         }
-                        Err(mistake) => self.errors.push(in_setting(index, mistake(name))),
+                        Err(help) => {
+                            let set = &argument[name.clone()];
+                            let mistake = no_parameter(name, set, &help);
+                            self.errors.push(in_setting(index, mistake));
+                        }
                     }
                 }
                 Err(mistake) => self.errors.push(in_setting(index, mistake)),
@@ -190,34 +208,33 @@ fn split(argument: &str) -> Result<(Range<usize>, Range<usize>), Diagnostic> {
     }
 }
 
-/// The name of a parameter that can be set, or the complaint about it.
-fn settable(
-    written: &str,
-    params: &Named,
-    lets: &Named,
-) -> Result<String, impl Fn(Range<usize>) -> Diagnostic> {
+/// The name of a parameter, or what to say to one who writes another.
+pub(super) fn settable(written: &str, params: &Named, lets: &Named) -> Result<String, String> {
     let name = identifier(written).unwrap_or_else(|| written.to_owned());
     let has =
         |named: &Named| named.0.iter().any(|entry| identifier(&entry.name).as_ref() == Some(&name));
     if has(params) {
         return Ok(name);
     }
-    let help = if has(lets) {
-        format!("`{name}` is defined in [let]; what can be set is defined in [params]")
-    } else {
-        let known: Vec<&str> = params.0.iter().map(|entry| entry.name.as_str()).collect();
-        let list = match known.as_slice() {
-            [] => "the scene has no [params]".to_owned(),
-            _ => format!("[params] has {}", known.join(", ")),
-        };
-        match did_you_mean(&name, known) {
-            Some(meant) => format!("did you mean `{meant}`? {list}"),
-            None => list,
-        }
+    if has(lets) {
+        return Err(format!(
+            "`{name}` is defined in [let]; what can be set is defined in [params]"
+        ));
+    }
+    let known: Vec<&str> = params.0.iter().map(|entry| entry.name.as_str()).collect();
+    let list = match known.as_slice() {
+        [] => "the scene has no [params]".to_owned(),
+        _ => format!("[params] has {}", known.join(", ")),
     };
-    Err(move |span| {
-        Diagnostic::new(span, format!("the scene has no parameter `{name}`")).help(&help)
+    Err(match did_you_mean(&name, known) {
+        Some(meant) => format!("did you mean `{meant}`? {list}"),
+        None => list,
     })
+}
+
+/// That `written` is no parameter.
+pub(super) fn no_parameter(span: Range<usize>, written: &str, help: &str) -> Diagnostic {
+    Diagnostic::new(span, format!("the scene has no parameter `{written}`")).help(help)
 }
 
 /// The name that formulas know `written` by, if it is one.

@@ -8,8 +8,19 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 10] = [
-    "version", "params", "let", "surface", "domain", "voxels", "camera", "light", "image", "output",
+const SECTIONS: [&str; 12] = [
+    "version",
+    "params",
+    "let",
+    "surface",
+    "model",
+    "domain",
+    "voxels",
+    "camera",
+    "light",
+    "image",
+    "output",
+    "animation",
 ];
 
 /// A key outside the sections, or a section, that does not exist.
@@ -33,6 +44,7 @@ fn place_of(key: &str) -> Option<&'static str> {
         "resolution" => "[voxels]",
         "width" | "height" | "background" => "[image]",
         "fov" | "eye" | "target" | "projection" => "[camera]",
+        "frames" | "turntable" | "fps" => "[animation]",
         _ => return None,
     })
 }
@@ -81,9 +93,13 @@ pub(super) fn refused(error: &toml::de::Error, at: Range<usize>, place: &str) ->
 }
 
 fn wrong_type(at: Range<usize>, found: &str, expected: &str) -> Diagnostic {
-    let expected = if expected == "a boolean" { "true or false" } else { expected };
+    let expected = match expected {
+        "a boolean" => "true or false",
+        "a sequence" => "an array of numbers",
+        other => other,
+    };
     let diagnostic = with_help(at, &format!("expected {expected}"), Some(found));
-    if expected.starts_with("an array of 3") {
+    if expected.starts_with("an array of") {
         return diagnostic.help("write numbers in square brackets, as in [0, -1.5, 2]");
     }
     match expected.ends_with("number") && is_text_with_digits(found) {

@@ -75,7 +75,10 @@ pub fn parse_with(
     };
     let Some(spec) = read(source, &mut errors) else { return Err(reject(sources, errors)) };
     let mut lower = Lower::new(source, settings, folder, errors);
-    let scene = lower.scene(&name, &spec);
+    let mut scene = lower.scene(&name, &spec);
+    if let Some(animation) = &mut scene.animation {
+        lower.script(animation, spec);
+    }
     sources.models = lower.graphs.into_iter().map(|(graph, _)| graph).collect();
     match lower.errors.is_empty() {
         true => Ok(Scene { sources, warnings: in_order(lower.warnings), ..scene }),

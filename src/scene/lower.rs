@@ -12,7 +12,8 @@ use std::{
 use glam::DVec3;
 
 use super::{
-    Outputs, Scene,
+    Outputs, Scene, Surface,
+    animation::Track,
     color::linear,
     formula::Formula,
     leaf::{Background, Color, Detail, Number, Numbers, Target, Whole},
@@ -67,6 +68,8 @@ pub(super) struct Lower<'a> {
     pub(super) graphs: Vec<(Model, Option<Expr>)>,
     /// Whether a picture stands for all light.
     pub(super) has_matcap: bool,
+    /// The parameters that change during a film.
+    pub(super) tracks: Vec<Track>,
 }
 
 impl<'a> Lower<'a> {
@@ -88,17 +91,18 @@ impl<'a> Lower<'a> {
             noted: HashSet::new(),
             graphs: Vec::new(),
             has_matcap: false,
+            tracks: Vec::new(),
         }
     }
 
     /// The scene called `name`; worth something only if no errors were noted.
     pub(super) fn scene(&mut self, name: &str, spec: &SceneSpec) -> Scene {
-        self.define(&spec.params, &spec.lets);
-        self.has_matcap = spec.image.spec.matcap.is_some();
-        let clip = self.clip(&spec.domain);
+        self.tracks = self.tracks(spec);
+        let surfaces = self.surfaces_of_frame(spec, 0.0);
+        let (view, animation) = self.animation(spec);
         Scene {
             name: name.to_owned(),
-            surfaces: self.surfaces(&spec.surfaces, &clip),
+            surfaces,
             models: self.models(&spec.models, spec.surfaces.len()),
             domain: self.domain(&spec.domain),
             resolution: self.resolution(&spec.voxels.spec),
@@ -107,12 +111,21 @@ impl<'a> Lower<'a> {
             certify: spec.voxels.spec.certify.unwrap_or(true),
             storage: storage(&spec.voxels.spec),
             schedule: schedule(&spec.voxels.spec),
-            view: self.view(&spec.camera),
+            view,
             image: self.image(spec),
             outputs: self.outputs(name, spec),
+            animation,
             sources: Sources::default(),
             warnings: Vec::new(),
         }
+    }
+
+    /// The surfaces at a time of the film, from 0 to 1.
+    pub(super) fn surfaces_of_frame(&mut self, spec: &SceneSpec, time: f64) -> Vec<Surface> {
+        self.has_matcap = spec.image.spec.matcap.is_some();
+        self.define(&spec.params, &spec.lets, time);
+        let clip = self.clip(&spec.domain);
+        self.surfaces(&spec.surfaces, &clip)
     }
 
     /// The box to search, if the file has one.
@@ -252,11 +265,25 @@ impl<'a> Lower<'a> {
                 .help("write a number for `resolution`, or remove `ply`"),
             );
         }
+        if let Some(apng) = &spec.apng
+            && *apng.get_ref() != Target::Switch(false)
+            && scene.animation.is_none()
+        {
+            self.errors.push(
+                Diagnostic::new(apng.span(), "`apng` is for films")
+                    .label("the scene has no [animation]")
+                    .help("remove it, or add [animation] with the number of `frames`"),
+            );
+        }
         Outputs {
             png: self.file(&format!("{name}.png"), spec.png.as_ref()),
             exr: self.file(&format!("{name}.exr"), spec.exr.as_ref()),
             layers: spec.layers.unwrap_or(true),
             ply: spec.ply.as_ref().and_then(|ply| self.file(&format!("{name}.ply"), Some(ply))),
+            apng: spec
+                .apng
+                .as_ref()
+                .and_then(|apng| self.file(&format!("{name}.apng"), Some(apng))),
         }
     }
 

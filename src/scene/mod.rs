@@ -1,5 +1,6 @@
 //! What the user asks for: the scene file mirrored as data (`spec`) and lowered to a [`Scene`].
 
+mod animation;
 mod camera;
 mod clip;
 mod color;
@@ -8,6 +9,7 @@ mod definitions;
 mod explain;
 mod files;
 mod formula;
+mod frames;
 mod graph;
 mod leaf;
 mod leaf_schema;
@@ -26,8 +28,9 @@ mod text;
 #[cfg(test)]
 mod tests;
 
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 
+pub use animation::Animation;
 pub use load::{load, load_with, parse, parse_with};
 pub use lower::MAX_RESOLUTION;
 pub use schema::schema;
@@ -49,7 +52,7 @@ pub struct Scene {
     /// At least one.
     pub surfaces: Vec<Surface>,
     /// Polygon models, drawn beside them.
-    pub models: Vec<Model>,
+    pub models: Arc<[Model]>,
     /// The box that is searched, finite and not empty; one is found where there is none.
     pub domain: Option<Aabb>,
     /// Voxels along the domain's longest axis.
@@ -70,6 +73,8 @@ pub struct Scene {
     pub image: ImageSettings,
     /// Which files to write.
     pub outputs: Outputs,
+    /// How it changes from frame to frame, if it is a film; all else is then as in the first frame.
+    pub animation: Option<Animation>,
     /// What is allowed but perhaps not meant, in the order of the places.
     pub warnings: Vec<Diagnostic>,
     /// The texts that it was made of.
@@ -100,4 +105,6 @@ pub struct Outputs {
     pub layers: bool,
     /// Voxels as points.
     pub ply: Option<PathBuf>,
+    /// All frames of a film; the other files are then numbered.
+    pub apng: Option<PathBuf>,
 }

@@ -14,7 +14,7 @@ use toml::{
 use super::{
     definitions::Named,
     explain::{place_of_key, refused, unknown_section},
-    spec::{SceneSpec, Section, SurfaceSpec, VERSION},
+    spec::{AnimationSpec, SceneSpec, Section, SurfaceSpec, VERSION},
 };
 use crate::diagnostic::Diagnostic;
 
@@ -118,6 +118,7 @@ fn sections(root: DeTable<'_>, source: &str, errors: &mut Vec<Diagnostic>) -> Sc
             "camera" => spec.camera = section("[camera]", value, errors),
             "image" => spec.image = section("[image]", value, errors),
             "output" => spec.output = section("[output]", value, errors),
+            "animation" => spec.animation = Some(animation(value, errors)),
             unknown => errors.push(unknown_section(unknown, key_span)),
         }
     }
@@ -140,6 +141,26 @@ fn surfaces(
         errors.push(Diagnostic::new(value.span(), "the scene has no surface"));
     }
     repeated("[[surface]]", "a surface is written in double brackets", value, errors)
+}
+
+/// Reads the section of a film, and those in it each on its own.
+fn animation(
+    mut value: Spanned<DeValue<'_>>,
+    errors: &mut Vec<Diagnostic>,
+) -> Section<AnimationSpec> {
+    let (params, keys) = match value.get_mut() {
+        DeValue::Table(table) => (table.remove("params"), table.remove("key")),
+        _ => (None, None),
+    };
+    let mut animation: Section<AnimationSpec> = section("[animation]", value, errors);
+    if let Some(params) = params {
+        animation.spec.params = section("[animation.params]", params, errors);
+    }
+    if let Some(keys) = keys {
+        let help = "a key of the camera is written in double brackets";
+        animation.spec.key = repeated("[[animation.key]]", help, keys, errors);
+    }
+    animation
 }
 
 /// Reads all sections of a name that may stand several times.

@@ -6,7 +6,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 
 /// A value with its place in the file. To the outside world, and to a schema, it is the value.
-#[derive(Clone, Debug, Deserialize, PartialEq)]
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq, PartialOrd, Ord)]
 #[serde(transparent)]
 pub(super) struct Spanned<T>(toml::Spanned<T>);
 
@@ -19,6 +19,11 @@ impl<T> Spanned<T> {
     /// The value.
     pub(super) fn get_ref(&self) -> &T {
         self.0.get_ref()
+    }
+
+    /// Another value in its place.
+    pub(super) fn map<U>(&self, f: impl FnOnce(&T) -> U) -> Spanned<U> {
+        Spanned(toml::Spanned::new(self.span(), f(self.get_ref())))
     }
 }
 

@@ -3,10 +3,10 @@
 //! Every key is optional here; what is missing gets its default, or is missed, in
 //! `lower`. The docs of the fields are the reference of the file format.
 
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 use super::{
     definitions::Named,
@@ -48,10 +48,11 @@ pub(super) struct SceneSpec {
     pub(super) image: Section<ImageSpec>,
     #[schemars(default)]
     pub(super) output: Section<OutputSpec>,
+    pub(super) animation: Option<Section<AnimationSpec>>,
 }
 
 /// A section of the file, or what stands for one that is left out.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Section<T> {
     pub(super) spec: T,
     /// Its header, or the inline table.
@@ -59,6 +60,15 @@ pub(super) struct Section<T> {
     /// Whether entries were refused and left out of `spec`: then it is no use to complain that
     /// something is missing.
     pub(super) is_damaged: bool,
+}
+
+/// A section within another, without a mistake.
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Section<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let table = toml::Spanned::<Table<T>>::deserialize(deserializer)?;
+        let span = table.span();
+        Ok(Self { spec: table.into_inner().0, span, is_damaged: false })
+    }
 }
 
 impl<T: JsonSchema> JsonSchema for Section<T> {
@@ -362,6 +372,48 @@ pub(super) enum ShadeSpec {
     Status,
 }
 
+/// A film: the scene and the camera change from frame to frame.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AnimationSpec {
+    /// How many frames, from 1 to 10000.
+    #[schemars(required, range(min = 1, max = 10000))]
+    pub(super) frames: Option<Spanned<Whole>>,
+    /// Degrees by which the camera turns about `up` from the first frame to one after the last;
+    /// 360 make a film that can be repeated.
+    pub(super) turntable: Option<Spanned<Number>>,
+    /// Frames a second in the animated PNG file, from 0.1 to 1000; 24 by default.
+    #[schemars(range(min = 0.1, max = 1000))]
+    pub(super) fps: Option<Spanned<Number>>,
+    /// Parameters that change: each with its values at even intervals from the first frame to the
+    /// last, at least two; between them it changes evenly.
+    #[serde(default)]
+    pub(super) params: Section<BTreeMap<Spanned<String>, Spanned<Vec<Number>>>>,
+    /// Places of the camera, at least two, between which it goes smoothly.
+    #[serde(default)]
+    pub(super) key: Vec<Section<KeySpec>>,
+}
+
+/// A place of the camera. What is missing is as in `[camera]`.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KeySpec {
+    /// When: 0 is the first frame and 1 the last.
+    #[schemars(required, range(min = 0, max = 1))]
+    pub(super) at: Option<Spanned<Number>>,
+    /// Where the camera is.
+    #[schemars(required)]
+    pub(super) eye: Option<Spanned<Numbers<3>>>,
+    /// What is in the picture's middle.
+    #[schemars(required)]
+    pub(super) target: Option<Spanned<Numbers<3>>>,
+    /// Perspective: the vertical angle of view in degrees.
+    #[schemars(range(min = 0.1, max = 179))]
+    pub(super) fov: Option<Spanned<Number>>,
+    /// Orthographic: the picture's height in scene units.
+    pub(super) height: Option<Spanned<Number>>,
+}
+
 /// The files: true, false or the name of a file below the output directory.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -374,4 +426,6 @@ pub(super) struct OutputSpec {
     pub(super) layers: Option<bool>,
     /// False by default. True: NAME.ply, all voxels as points with normals and colours.
     pub(super) ply: Option<Spanned<Target>>,
+    /// False by default. True: NAME.apng, a film in one file.
+    pub(super) apng: Option<Spanned<Target>>,
 }

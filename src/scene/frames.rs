@@ -1,0 +1,145 @@
+//! The frames of a film, each a scene of its own.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use super::{
+    Outputs, Scene, Surface,
+    animation::{Animation, Track},
+    lower::Lower,
+    spec::SceneSpec,
+};
+use crate::{
+    Error, Result,
+    diagnostic::{Diagnostic, Model, Rejection, Sources},
+    expr::Expr,
+    raster::time,
+};
+
+/// What the surfaces of each frame are made of. Files that the scene names are not read again.
+#[derive(Debug)]
+pub(super) struct Script {
+    pub(super) spec: SceneSpec,
+    pub(super) folder: Option<PathBuf>,
+    pub(super) tracks: Vec<Track>,
+    pub(super) graphs: Vec<(Model, Option<Expr>)>,
+}
+
+impl Script {
+    /// The surfaces at a time from 0 to 1.
+    fn surfaces(
+        &self,
+        source: &str,
+        settings: &[String],
+        time: f64,
+    ) -> std::result::Result<Vec<Surface>, Vec<Diagnostic>> {
+        let mut lower = Lower::new(source, settings, self.folder.as_deref(), Vec::new());
+        lower.tracks.clone_from(&self.tracks);
+        lower.graphs.clone_from(&self.graphs);
+        let surfaces = lower.surfaces_of_frame(&self.spec, time);
+        if lower.errors.is_empty() { Ok(surfaces) } else { Err(lower.errors) }
+    }
+
+    /// What is wrong with the first frame that has mistakes.
+    fn mistakes(&self, source: &str, settings: &[String], n_frames: u32) -> Vec<Diagnostic> {
+        for frame in 1..n_frames {
+            let time = time(frame, n_frames);
+            let Err(mistakes) = self.surfaces(source, settings, time) else { continue };
+            let value = |track: &Track| format!("{} = {}", track.name, track.value(time));
+            let values: Vec<String> = self.tracks.iter().map(value).collect();
+            let place = format!("in frame {}, where {}", frame + 1, values.join(", "));
+            let placed = |mistake: Diagnostic| Diagnostic {
+                message: format!("{place}: {}", mistake.message),
+                ..mistake
+            };
+            return mistakes.into_iter().map(placed).collect();
+        }
+        Vec::new()
+    }
+}
+
+impl Lower<'_> {
+    /// Keeps what frames are made of, if parameters change, and notes what is wrong in any frame.
+    pub(super) fn script(&mut self, animation: &mut Animation, spec: SceneSpec) {
+        if self.tracks.is_empty() || !self.errors.is_empty() {
+            return;
+        }
+        let script = Script {
+            spec,
+            folder: self.folder.map(Path::to_owned),
+            tracks: self.tracks.clone(),
+            graphs: self.graphs.clone(),
+        };
+        self.errors = script.mistakes(self.source, self.settings, animation.n_frames);
+        animation.script = Some(Arc::new(script));
+    }
+}
+
+impl Scene {
+    /// How many frames it has; none if it is no film.
+    #[must_use]
+    pub fn n_frames(&self) -> u32 {
+        self.animation.as_ref().map_or(0, |animation| animation.n_frames)
+    }
+
+    /// Whether its surfaces differ from frame to frame.
+    #[must_use]
+    pub fn changes(&self) -> bool {
+        self.animation.as_ref().is_some_and(|animation| animation.script.is_some())
+    }
+
+    /// The frame of this number, from 1: a scene without animation, with files of its own. The
+    /// camera is left as it is.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if formulas make no sense with the values that parameters have then, which
+    /// loading the scene has found out before.
+    pub fn frame(&self, number: u32) -> Result<Self> {
+        let frame = Self {
+            outputs: self.outputs.of_frame(number, self.n_frames()),
+            animation: None,
+            warnings: Vec::new(),
+            ..self.clone()
+        };
+        let animation = self.animation.as_ref();
+        let Some(script) = animation.and_then(|animation| animation.script.as_ref()) else {
+            return Ok(frame);
+        };
+        let Sources { text, settings, .. } = &self.sources;
+        let time = time(number - 1, self.n_frames());
+        match script.surfaces(text, settings, time) {
+            Ok(surfaces) => Ok(Self { surfaces, ..frame }),
+            Err(diagnostics) => {
+                let sources = self.sources.clone();
+                Err(Error::Scene(Box::new(Rejection { sources, diagnostics })))
+            }
+        }
+    }
+}
+
+impl Outputs {
+    /// The files of the frame of this number; the film is none of them.
+    #[must_use]
+    pub fn of_frame(&self, number: u32, n_frames: u32) -> Self {
+        let digits = n_frames.to_string().len().max(4);
+        let numbered = |file: &PathBuf| {
+            let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+            let ending = file.extension().unwrap_or_default().to_string_lossy();
+            file.with_file_name(format!("{stem}_{number:0digits$}.{ending}"))
+        };
+        Self {
+            png: self.png.as_ref().map(numbered),
+            exr: self.exr.as_ref().map(numbered),
+            ply: self.ply.as_ref().map(numbered),
+            apng: None,
+            layers: self.layers,
+        }
+    }
+
+    /// All files.
+    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.png, &self.exr, &self.ply, &self.apng].into_iter().flatten()
+    }
+}
