@@ -83,6 +83,7 @@ pub mod expr;
 pub mod film;
 pub mod limits;
 pub mod math;
+pub mod mesh;
 pub mod octree;
 pub mod output;
 pub mod pipeline;

@@ -4,9 +4,11 @@
 mod boxes;
 mod machine;
 mod points;
+mod sampler;
 mod slopes;
 
 pub use boxes::{BATCH, BoxEvaluator, Boxes, Ranges, Verdict};
 pub use machine::Machine;
 pub use points::{GradientEvaluator, POINT_BATCH, PointEvaluator, Points};
+pub use sampler::{Sample, sampler};
 pub use slopes::{SlopeEvaluator, SlopeVerdict};

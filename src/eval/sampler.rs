@@ -1,0 +1,80 @@
+//! Values and gradients at any number of points, whatever the instruction set.
+
+use fearless_simd::Simd;
+use glam::DVec3;
+
+use super::{GradientEvaluator, POINT_BATCH, PointEvaluator, Points};
+use crate::{
+    expr::Tape,
+    math::{SimdLevel, SimdTask},
+};
+
+/// Evaluates tapes at points; a thread's own.
+pub trait Sample: Send {
+    /// The values of `tape`; NaN where it is undefined.
+    fn values(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<f64>;
+
+    /// The gradients of `tape`; not finite where there is none.
+    fn gradients(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<DVec3>;
+
+    /// Whether each point lies in the tape's region; all do if it has none.
+    fn are_in_region(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<bool>;
+}
+
+/// A sampler for the instruction set.
+#[must_use]
+pub fn sampler(simd: SimdLevel) -> Box<dyn Sample> {
+    struct New;
+    impl SimdTask for New {
+        type Output = Box<dyn Sample>;
+
+        fn run<S: Simd>(self, simd: S) -> Box<dyn Sample> {
+            let (values, gradients) = (PointEvaluator::new(simd), GradientEvaluator::new(simd));
+            Box::new(Sampler { values, gradients })
+        }
+    }
+    simd.run(New)
+}
+
+struct Sampler<S: Simd> {
+    values: PointEvaluator<S>,
+    gradients: GradientEvaluator<S>,
+}
+
+impl<S: Simd> Sample for Sampler<S> {
+    fn values(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<f64> {
+        let mut values = Vec::with_capacity(points.len());
+        for some in points.chunks(POINT_BATCH) {
+            values.extend_from_slice(&self.values.eval(tape, &batch(some))[..some.len()]);
+        }
+        values
+    }
+
+    fn gradients(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<DVec3> {
+        let mut gradients = Vec::with_capacity(points.len());
+        for some in points.chunks(POINT_BATCH) {
+            let [x, y, z] = self.gradients.eval(tape, &batch(some));
+            gradients.extend((0..some.len()).map(|k| DVec3::new(x[k], y[k], z[k])));
+        }
+        gradients
+    }
+
+    fn are_in_region(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<bool> {
+        let mut are_in = Vec::with_capacity(points.len());
+        for some in points.chunks(POINT_BATCH) {
+            self.values.eval(tape, &batch(some));
+            let bits = self.values.in_region();
+            are_in.extend((0..some.len()).map(|k| bits >> k & 1 == 1));
+        }
+        are_in
+    }
+}
+
+/// Some points, axis by axis.
+fn batch(some: &[DVec3]) -> Points {
+    let mut batch: Points = [[0.0; POINT_BATCH]; 3];
+    for (k, p) in some.iter().enumerate() {
+        (0..3).for_each(|axis| batch[axis][k] = p[axis]);
+    }
+    batch
+}

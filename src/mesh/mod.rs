@@ -1,0 +1,59 @@
+//! Triangle meshes of surfaces, from voxels by way of a dual grid that is never stored.
+//!
+//! `grid` holds values in bricks of voxels near the surface, `extract` finds the cells between them
+//! and cuts them into triangles (`cases`).
+//!
+//! *Based on:* A. León Salas, 2008 (IDDG-Octree), chapters 2 and 3.
+
+mod cases;
+mod check;
+mod extract;
+mod formula;
+mod grid;
+mod halo;
+#[cfg(test)]
+mod tests;
+
+pub use check::{Health, Shape};
+pub use extract::{Crossing, Extraction, LEAST_PART, extract};
+pub use formula::{FormulaSettings, VertexPlace, of_formula};
+pub use grid::{Border, Brick, Grid, Leaf, SIDE, VOXELS};
+
+/// Triangles of one surface, as files hold them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// The surface's name.
+    pub name: String,
+    /// In scene coordinates; of the precision that files have, so that what is checked is what is
+    /// written.
+    pub positions: Vec<[f32; 3]>,
+    /// Of length 1, outwards; one for each position.
+    pub normals: Vec<[f32; 3]>,
+    /// Counter-clockwise as seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Linear-light red, green, blue, in [0, 1].
+    pub color: [f32; 3],
+}
+
+impl Mesh {
+    /// Drops vertices that no triangle has; the others keep their order.
+    pub(crate) fn drop_unused(&mut self) {
+        let mut numbers = vec![u32::MAX; self.positions.len()];
+        self.triangles.as_flattened().iter().for_each(|&v| numbers[v as usize] = 0);
+        let mut next = 0;
+        for number in numbers.iter_mut().filter(|number| **number == 0) {
+            *number = next;
+            next += 1;
+        }
+        let is_used = |i: &mut usize| {
+            *i += 1;
+            numbers[*i - 1] != u32::MAX
+        };
+        let (mut i, mut j) = (0, 0);
+        self.positions.retain(|_| is_used(&mut i));
+        self.normals.retain(|_| is_used(&mut j));
+        for vertex in self.triangles.as_flattened_mut() {
+            *vertex = numbers[*vertex as usize];
+        }
+    }
+}
