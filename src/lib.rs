@@ -81,6 +81,7 @@ mod error;
 pub mod eval;
 pub mod expr;
 pub mod film;
+pub mod hrb;
 pub mod limits;
 pub mod math;
 pub mod mesh;

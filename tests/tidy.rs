@@ -10,7 +10,7 @@ use std::{
 
 /// Every top-level module with the modules that it may use; data flows from left to right through
 /// the pipeline, so nobody uses what comes after.
-const MAY_USE: [(&str, &[&str]); 20] = [
+const MAY_USE: [(&str, &[&str]); 21] = [
     ("math", &[]),
     ("diagnostic", &[]),
     ("progress", &[]),
@@ -19,6 +19,7 @@ const MAY_USE: [(&str, &[&str]); 20] = [
     ("expr", &["diagnostic", "math"]),
     ("eval", &["expr", "math"]),
     ("voxelize", &["eval", "expr", "math", "octree", "progress"]),
+    ("hrb", &["mesh"]),
     ("mesh", &["eval", "expr", "math", "octree", "voxelize"]),
     ("polygons", &["math"]),
     ("raster", &["eval", "expr", "math", "octree", "polygons", "progress", "voxelize"]),

@@ -15,7 +15,7 @@ use crate::{
     eval::{Sample, sampler},
     expr::Tape,
     math::{Aabb, Lattice, SimdLevel},
-    octree::Storage,
+    octree::{Occupancy, Storage},
     voxelize::{BLOCK_LEVELS, Wish, find_blocks},
 };
 
@@ -86,7 +86,10 @@ const CHUNK: usize = 1 << 12;
 
 /// The grid of the values of −F: inside is what is not negative.
 fn grid(tape: &Tape, storage: &dyn Storage, lattice: &Lattice, settings: &FormulaSettings) -> Grid {
-    let places = bricks_near(storage);
+    let mut places = bricks_near(storage);
+    if settings.border == Border::Capped {
+        places.extend(bricks_of_caps(storage, lattice.n_voxels()));
+    }
     let tapes = tapes_of_blocks(tape, lattice, settings.simd);
     let size = lattice.n_voxels();
     let bounds = lattice.bounds();
@@ -120,12 +123,38 @@ fn grid(tape: &Tape, storage: &dyn Storage, lattice: &Lattice, settings: &Formul
         }
         Brick::new(place, values, vec![0], 0.0)
     };
+    // The grid sorts them.
+    let places: Vec<[u32; 3]> = places.into_iter().collect();
     let bricks = places.into_par_iter().map_init(|| sampler(settings.simd), brick).collect();
     Grid::new(bricks, size, 0.0, settings.border)
 }
 
+/// The bricks at the border that lie inside, and their neighbours: caps run through them.
+fn bricks_of_caps(storage: &dyn Storage, size: [u32; 3]) -> FxHashSet<[u32; 3]> {
+    let mut bricks = FxHashSet::default();
+    let n = size.map(|n| n.div_ceil(SIDE));
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for side in [0, n[axis] - 1] {
+            for i in 0..n[u] {
+                for j in 0..n[v] {
+                    let mut place = [0; 3];
+                    (place[axis], place[u], place[v]) = (side, i, j);
+                    // Bricks without stored voxels are all inside or all outside.
+                    if storage.occupancy(place.map(|i| i * SIDE)) == Occupancy::Inside {
+                        let around = |k: u32| [k % 3, k / 3 % 3, k / 9];
+                        let places = (0..27).map(around);
+                        bricks.extend(places.map(|k| [0, 1, 2].map(|axis| place[axis] + k[axis])));
+                    }
+                }
+            }
+        }
+    }
+    bricks
+}
+
 /// The bricks that hold stored voxels and their neighbours.
-fn bricks_near(storage: &dyn Storage) -> Vec<[u32; 3]> {
+fn bricks_near(storage: &dyn Storage) -> FxHashSet<[u32; 3]> {
     let near: Vec<FxHashSet<[u32; 3]>> = storage
         .parts()
         .into_par_iter()
@@ -164,8 +193,7 @@ fn bricks_near(storage: &dyn Storage) -> Vec<[u32; 3]> {
         .collect();
     let mut all = FxHashSet::default();
     near.into_iter().for_each(|some| all.extend(some));
-    // The grid sorts them.
-    all.into_iter().collect()
+    all
 }
 
 /// The shortened tapes of the blocks of 32³ voxels that the surface may meet, if F can be shortened.

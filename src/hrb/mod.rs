@@ -1,0 +1,15 @@
+//! Sampled volumes as octrees of homogeneous regions (HRB-Octree).
+//!
+//! *Based on:* A. León Salas, 2008, chapters 2 and 3.
+
+mod bricks;
+mod build;
+mod evaluate;
+mod octree;
+mod sample;
+#[cfg(test)]
+mod tests;
+
+pub use build::{Criterion, Tolerance};
+pub use octree::{HrbOctree, Region};
+pub use sample::{Fixed8, Sample, Value};

@@ -1,0 +1,178 @@
+//! The types of samples, and what octrees keep of them.
+
+/// A sample of a volume.
+pub trait Sample: Copy + PartialOrd + Send + Sync {
+    /// What a region keeps: the sample itself, or a mean.
+    type Value: Value;
+    /// A sum of any number of samples: exact for integers.
+    type Sum: Copy + Send;
+
+    /// As a number.
+    fn to_f64(self) -> f64;
+
+    /// As a region keeps it, exactly.
+    fn value(self) -> Self::Value;
+
+    /// A sum of one.
+    fn sum(self) -> Self::Sum;
+
+    /// Two sums together.
+    fn add(a: Self::Sum, b: Self::Sum) -> Self::Sum;
+
+    /// The mean of `n` samples.
+    fn mean(sum: Self::Sum, n: u64) -> Self::Value;
+
+    /// Whether this is no number.
+    #[inline]
+    fn is_undefined(self) -> bool {
+        false
+    }
+
+    /// The smaller one; no number if one of them is none.
+    #[inline]
+    fn least(self, other: Self) -> Self {
+        if other < self || other.is_undefined() { other } else { self }
+    }
+
+    /// The larger one; no number if one of them is none.
+    #[inline]
+    fn most(self, other: Self) -> Self {
+        if other > self || other.is_undefined() { other } else { self }
+    }
+}
+
+/// What a region keeps.
+pub trait Value: Copy + Default + PartialEq + Send + Sync + std::fmt::Debug {
+    /// As a number.
+    fn to_f64(self) -> f64;
+}
+
+/// Eight bits before the point and eight behind: the two bytes of the thesis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fixed8(u16);
+
+impl Value for Fixed8 {
+    #[inline]
+    fn to_f64(self) -> f64 {
+        f64::from(self.0) / 256.0
+    }
+}
+
+impl Value for f32 {
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self.into()
+    }
+}
+
+impl Value for f64 {
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self
+    }
+}
+
+impl Sample for u8 {
+    type Value = Fixed8;
+    type Sum = i64;
+
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self.into()
+    }
+
+    #[inline]
+    fn value(self) -> Fixed8 {
+        Fixed8(u16::from(self) << 8)
+    }
+
+    #[inline]
+    fn sum(self) -> i64 {
+        self.into()
+    }
+
+    #[inline]
+    fn add(a: i64, b: i64) -> i64 {
+        a + b
+    }
+
+    /// To the nearest 256th, halves up.
+    fn mean(sum: i64, n: u64) -> Fixed8 {
+        let n = n as i64;
+        Fixed8(((512 * sum + n) / (2 * n)) as u16)
+    }
+}
+
+/// Integers whose means are kept as floats.
+macro_rules! integer {
+    ($type:ty, $value:ty) => {
+        impl Sample for $type {
+            type Value = $value;
+            type Sum = i64;
+
+            #[inline]
+            fn to_f64(self) -> f64 {
+                self.into()
+            }
+
+            #[inline]
+            fn value(self) -> $value {
+                self as $value
+            }
+
+            #[inline]
+            fn sum(self) -> i64 {
+                self.into()
+            }
+
+            #[inline]
+            fn add(a: i64, b: i64) -> i64 {
+                a + b
+            }
+
+            fn mean(sum: i64, n: u64) -> $value {
+                (sum as f64 / n as f64) as $value
+            }
+        }
+    };
+}
+
+integer!(i8, f32);
+integer!(u16, f32);
+integer!(i16, f32);
+integer!(u32, f64);
+integer!(i32, f64);
+
+impl Sample for f32 {
+    type Value = f32;
+    type Sum = f64;
+
+    #[inline]
+    fn is_undefined(self) -> bool {
+        self.is_nan()
+    }
+
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self.into()
+    }
+
+    #[inline]
+    fn value(self) -> f32 {
+        self
+    }
+
+    #[inline]
+    fn sum(self) -> f64 {
+        self.into()
+    }
+
+    #[inline]
+    fn add(a: f64, b: f64) -> f64 {
+        a + b
+    }
+
+    fn mean(sum: f64, n: u64) -> f32 {
+        (sum / n as f64) as f32
+    }
+}

@@ -1,0 +1,122 @@
+//! Meshes of formulas: clean, of the right shape, as large as the surface.
+
+#![expect(clippy::unwrap_used, reason = "a test that cannot prepare its case has failed")]
+
+use std::{f64::consts::PI, path::Path};
+
+use zeroset::{
+    math::{Lattice, SimdLevel},
+    mesh::{Border, FormulaSettings, Health, Mesh, Shape, VertexPlace, of_formula},
+    pipeline,
+    progress::Unwatched,
+    scene,
+    voxelize::{Settings, voxelize},
+};
+
+/// The mesh of the first surface of a scene.
+fn mesh(text: &str, resolution: u32, border: Border, vertex: VertexPlace) -> Mesh {
+    let scene = scene::parse(Path::new("mesh.toml"), &format!("version = 1\n{text}")).unwrap();
+    let lattice: Lattice = pipeline::lattice(&scene, Some(resolution));
+    let expr = &scene.surfaces[0].expr;
+    let found = voxelize(expr, &lattice, &Settings::default(), &Unwatched).unwrap();
+    let settings = FormulaSettings { border, vertex, simd: SimdLevel::detect() };
+    of_formula(&expr.tape(), &found.octree, &lattice, &settings)
+}
+
+fn surface(f: &str, half: f64) -> String {
+    format!(
+        "[[surface]]\nf = '{f}'\n[domain]\nmin = [-{half}, -{half}, -{half}]\n\
+         max = [{half}, {half}, {half}]\n"
+    )
+}
+
+/// A closed surface with its area and volume and Euler number.
+struct Known {
+    name: &'static str,
+    text: String,
+    area: f64,
+    volume: f64,
+    euler: i64,
+}
+
+fn known() -> Vec<Known> {
+    vec![
+        Known {
+            name: "sphere",
+            text: surface("x^2 + y^2 + z^2 = 1", 1.3),
+            area: 4.0 * PI,
+            volume: 4.0 / 3.0 * PI,
+            euler: 2,
+        },
+        Known {
+            name: "torus",
+            text: surface("(sqrt(x^2 + y^2) - 1)^2 + z^2 = 0.4^2", 1.5),
+            area: 4.0 * PI * PI * 0.4,
+            volume: 2.0 * PI * PI * 0.4 * 0.4,
+            euler: 0,
+        },
+    ]
+}
+
+#[test]
+fn known_surfaces_have_their_area_and_volume() {
+    for Known { name, text, area, volume, euler } in known() {
+        let errors = |resolution: u32, vertex: VertexPlace| {
+            let mesh = mesh(&text, resolution, Border::Open, vertex);
+            assert_eq!(mesh.health(), Health::default(), "{name} at {resolution}");
+            let Shape { area: a, volume: v, euler: e, components, .. } = mesh.shape();
+            assert_eq!((e, components), (euler, 1), "{name} at {resolution}");
+            ((a / area - 1.0).abs()).max((v / volume - 1.0).abs())
+        };
+        for vertex in [VertexPlace::Linear, VertexPlace::Polished] {
+            let (coarse, fine) = (errors(64, vertex), errors(128, vertex));
+            assert!(fine < 3e-3, "{name}: {fine}");
+            assert!(coarse / fine > 3.5, "{name} {vertex:?}: {coarse} {fine}");
+        }
+    }
+}
+
+/// Vertices lie on the surface, normals at right angles to it.
+#[test]
+fn vertices_are_on_the_surface() {
+    let mesh = mesh(&surface("x^2 + y^2 + z^2 = 1", 1.3), 50, Border::Open, VertexPlace::Polished);
+    for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
+        let length = p.iter().map(|c| c * c).sum::<f32>().sqrt();
+        assert!((length - 1.0).abs() < 3e-7, "{p:?}");
+        assert!((0..3).all(|axis| (p[axis] - n[axis]).abs() < 1e-6), "{p:?} {n:?}");
+    }
+}
+
+/// A ball that is cut by the domain.
+#[test]
+fn borders_are_open_or_capped() {
+    let text = "[[surface]]\nf = 'x^2 + y^2 + z^2 = 1'\n\
+        [domain]\nmin = [-1.2, -1.2, -1.2]\nmax = [1.2, 1.2, 0.48]\n";
+    let open = mesh(text, 60, Border::Open, VertexPlace::Polished);
+    let Health { open_edges, .. } = open.health();
+    assert!(open_edges > 50 && open.health().is_clean(), "{:?}", open.health());
+    assert_eq!(open.shape().euler, 1);
+    let capped = mesh(text, 60, Border::Capped, VertexPlace::Polished);
+    assert_eq!(capped.health(), Health::default());
+    assert_eq!(capped.shape().euler, 2);
+    let volume = PI * (0.48 - 0.48_f64.powi(3) / 3.0 + 2.0 / 3.0);
+    assert!((capped.shape().volume / volume - 1.0).abs() < 2e-3, "{:?}", capped.shape());
+}
+
+/// Solids with edges and corners, thin walls, several pieces: clean whatever the formula.
+#[test]
+fn all_kinds_of_surfaces_are_clean() {
+    for (f, half) in [
+        ("max(max(abs(x), abs(y)), abs(z)) = 1", 1.5),
+        ("max(x^2 + y^2 + z^2 - 1, 0.3 - x^2 - y^2)", 1.5),
+        ("x^4 - 5x^2 + y^4 - 5y^2 + z^4 - 5z^2 + 11.8 = 0", 3.0),
+        ("min(x^2 + y^2 + z^2 - 0.3, abs(x - 0.9) + abs(y) + abs(z) - 0.3)", 1.5),
+        ("(x^2 + 9/4*y^2 + z^2 - 1)^3 = x^2*z^3 + 9/80*y^2*z^3", 1.5),
+    ] {
+        for resolution in [17, 40] {
+            let mesh = mesh(&surface(f, half), resolution, Border::Capped, VertexPlace::Polished);
+            assert_eq!(mesh.health(), Health::default(), "{f} at {resolution}");
+            assert!(mesh.shape().volume > 0.0);
+        }
+    }
+}
