@@ -120,3 +120,20 @@ fn all_kinds_of_surfaces_are_clean() {
         }
     }
 }
+
+/// An open clip cuts triangles where it says.
+#[test]
+fn clips_are_sharp() {
+    let text = "[[surface]]\nf = 'x^2 + y^2 + z^2 = 1'\nclip = 'x + 2 y + 0.3 z <= 0.4'\n\
+        [domain]\nmin = [-1.2, -1.2, -1.2]\nmax = [1.2, 1.2, 1.2]\n";
+    let mesh = mesh(text, 60, Border::Open, VertexPlace::Polished);
+    let health = mesh.health();
+    assert!(health.is_clean() && health.open_edges > 50, "{health:?}");
+    assert_eq!((mesh.shape().euler, mesh.shape().components), (1, 1));
+    let side = |p: &[f32; 3]| p[0] + 2.0 * p[1] + 0.3 * p[2] - 0.4;
+    let farthest = mesh.positions.iter().map(side).fold(f32::NEG_INFINITY, f32::max);
+    assert!(farthest.abs() < 1e-3, "{farthest}");
+    // A cap of height h has the area 2 pi h.
+    let height = 1.0 + 0.4 / 5.09_f64.sqrt();
+    assert!((mesh.shape().area / (2.0 * PI * height) - 1.0).abs() < 2e-3, "{:?}", mesh.shape());
+}

@@ -6,7 +6,10 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-use super::Mesh;
+use super::{
+    Mesh,
+    repair::{join, root},
+};
 
 /// What may be wrong with a mesh; all zero if it is clean, but for edges at an open border.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -147,7 +150,7 @@ impl Mesh {
             join(&mut parents, a, b);
             join(&mut parents, b, c);
         }
-        (0..parents.len() as u32).filter(|&v| parents[v as usize] == v).count() as u64
+        (0..parents.len() as u32).filter(|&v| root(&mut parents, v) == v).count() as u64
     }
 }
 
@@ -174,21 +177,6 @@ fn is_one_fan(fan: &[(u32, u32, u32)]) -> bool {
         }
     }
     n == fan.len()
-}
-
-/// The root of a vertex in a forest whose paths are halved on the way.
-fn root(parents: &mut [u32], mut v: u32) -> u32 {
-    while parents[v as usize] != v {
-        let above = parents[parents[v as usize] as usize];
-        parents[v as usize] = above;
-        v = above;
-    }
-    v
-}
-
-fn join(parents: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parents, a), root(parents, b));
-    parents[a.max(b) as usize] = a.min(b);
 }
 
 #[cfg(test)]

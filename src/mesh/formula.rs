@@ -10,7 +10,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
-use super::{Border, Brick, Crossing, Extraction, Grid, LEAST_PART, Mesh, SIDE, VOXELS, extract};
+use super::{
+    Border, Brick, Crossing, Extraction, Grid, LEAST_PART, Mesh, SIDE, VOXELS, cut::cut_to_region,
+    extract,
+};
 use crate::{
     eval::{Sample, sampler},
     expr::Tape,
@@ -52,7 +55,7 @@ pub fn of_formula(
     let Extraction { crossings, triangles } = extract(&grid);
     let bounds = lattice.bounds();
     let to_scene = |p: [f64; 3]| bounds.min + lattice.voxel_size() * DVec3::from_array(p);
-    let placed: Vec<(Vec<DVec3>, Vec<DVec3>, Vec<bool>)> = crossings
+    let placed: Vec<(Vec<DVec3>, Vec<DVec3>)> = crossings
         .par_chunks(CHUNK)
         .map_init(
             || sampler(settings.simd),
@@ -63,20 +66,16 @@ pub fn of_formula(
                 };
                 let gradients = sampler.gradients(tape, &points);
                 let normals = some.iter().zip(gradients).map(|(c, g)| normal(c, g)).collect();
-                let are_in = sampler.are_in_region(tape, &points);
-                (points, normals, are_in)
+                (points, normals)
             },
         )
         .collect();
-    let mut mesh = Mesh::default();
-    let mut are_in = Vec::with_capacity(crossings.len());
-    for (points, normals, of_chunk) in placed {
+    let mut mesh = Mesh { triangles, ..Mesh::default() };
+    for (points, normals) in placed {
         mesh.positions.extend(points.iter().map(|p| p.as_vec3().to_array()));
         mesh.normals.extend(normals.iter().map(|n| n.as_vec3().to_array()));
-        are_in.extend(of_chunk);
     }
-    mesh.triangles = triangles;
-    mesh.triangles.retain(|corners| corners.iter().all(|&v| are_in[v as usize]));
+    cut_to_region(&mut mesh, tape, &mut *sampler(settings.simd));
     mesh.drop_unused();
     mesh
 }

@@ -7,10 +7,12 @@
 
 mod cases;
 mod check;
+mod cut;
 mod extract;
 mod formula;
 mod grid;
 mod halo;
+mod repair;
 #[cfg(test)]
 mod tests;
 
