@@ -23,7 +23,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
     ("mesh", &["eval", "expr", "math", "octree", "voxelize"]),
     ("polygons", &["math"]),
     ("raster", &["eval", "expr", "math", "octree", "polygons", "progress", "voxelize"]),
-    ("output", &["math", "octree", "raster"]),
+    ("output", &["math", "mesh", "octree", "raster"]),
     ("scene", &["diagnostic", "expr", "math", "octree", "polygons", "raster", "voxelize"]),
     ("statistics", &["math", "octree", "raster", "voxelize"]),
     ("limits", &["math", "octree", "raster"]),

@@ -84,6 +84,12 @@ impl Mesh {
         health
     }
 
+    /// Whether it has a border: an edge that only one triangle has.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.edges().values().any(|uses| matches!(uses, [0, 1] | [1, 0]))
+    }
+
     /// Counts and measures.
     #[must_use]
     pub fn shape(&self) -> Shape {
@@ -195,6 +201,7 @@ mod tests {
     fn a_tetrahedron_is_clean() {
         let mesh = tetrahedron();
         assert_eq!(mesh.health(), Health::default());
+        assert!(!mesh.is_open());
         let shape = mesh.shape();
         assert_eq!((shape.vertices, shape.edges, shape.triangles, shape.euler), (4, 6, 4, 2));
         assert_eq!(shape.components, 1);
@@ -215,6 +222,7 @@ mod tests {
         assert_eq!(health(&|mesh| mesh.positions[3] = [f32::NAN; 3]).not_finite, 3);
         assert_eq!(health(&|mesh| mesh.positions[3] = [1.0, 0.0, 0.0]).double_vertices, 1);
         assert_eq!(health(&|mesh| mesh.positions[3] = [0.5, 0.5, 0.0]).flat_triangles, 1);
+        assert!(Mesh { triangles: vec![[0, 2, 1]], ..tetrahedron() }.is_open());
         // A vertex of no triangle, and one that two tetrahedra share.
         assert_eq!(health(&|mesh| mesh.positions.push([9.0; 3])).pinched_vertices, 1);
         let pinched = health(&|mesh| {

@@ -19,7 +19,7 @@ use crate::{Error, Result};
 pub type FileWriter = BufWriter<File>;
 
 /// Bytes that are gathered before they go to the file; formats write in small pieces.
-const BUFFER_BYTES: usize = 1 << 16;
+pub(super) const BUFFER_BYTES: usize = 1 << 16;
 
 /// Writes the file at `path` with `write`, replacing what is there. Folders that are missing on the
 /// way to it are created.

@@ -5,7 +5,7 @@
 //!
 //! *Based on:* G. Turk, "The PLY Polygon File Format", 1994.
 
-use std::io::Write;
+use std::io::{self, Write};
 
 use super::{SOFTWARE, WriteError, png::srgb_code};
 use crate::{
@@ -32,14 +32,11 @@ pub fn write(
     mut out: impl Write,
 ) -> Result<(), WriteError> {
     let n: u64 = surfaces.iter().map(|points| u64::from(points.storage.voxel_count())).sum();
-    write!(out, "ply\nformat binary_little_endian 1.0\ncomment {SOFTWARE}\nelement vertex {n}\n")?;
-    for name in ["x", "y", "z", "nx", "ny", "nz"] {
-        writeln!(out, "property float {name}")?;
-    }
-    for name in ["red", "green", "blue", "certified"] {
-        writeln!(out, "property uchar {name}")?;
-    }
-    writeln!(out, "end_header")?;
+    begin(&mut out)?;
+    element(&mut out, "vertex", n)?;
+    properties(&mut out, "float", &["x", "y", "z", "nx", "ny", "nz"])?;
+    properties(&mut out, "uchar", &["red", "green", "blue", "certified"])?;
+    end(&mut out)?;
     for Points { storage, color } in surfaces {
         let [r, g, b] = color.map(srgb_code);
         for part in storage.parts() {
@@ -56,6 +53,26 @@ pub fn write(
         }
     }
     Ok(())
+}
+
+/// The first lines of a file.
+pub(super) fn begin(out: &mut impl Write) -> io::Result<()> {
+    write!(out, "ply\nformat binary_little_endian 1.0\ncomment {SOFTWARE}\n")
+}
+
+/// That `n` things of a kind follow; their properties are named next.
+pub(super) fn element(out: &mut impl Write, name: &str, n: u64) -> io::Result<()> {
+    writeln!(out, "element {name} {n}")
+}
+
+/// Properties of one type.
+pub(super) fn properties(out: &mut impl Write, kind: &str, names: &[&str]) -> io::Result<()> {
+    names.iter().try_for_each(|name| writeln!(out, "property {kind} {name}"))
+}
+
+/// The last line before the numbers.
+pub(super) fn end(out: &mut impl Write) -> io::Result<()> {
+    writeln!(out, "end_header")
 }
 
 #[cfg(test)]
