@@ -85,6 +85,7 @@ pub mod hrb;
 pub mod limits;
 pub mod math;
 pub mod mesh;
+pub mod meshing;
 pub mod octree;
 pub mod output;
 pub mod pipeline;

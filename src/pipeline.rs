@@ -7,11 +7,17 @@ use crate::{
     expr::Tape,
     limits::{self, Memory},
     math::{Lattice, SimdLevel},
+    mesh::Mesh,
+    meshing,
     octree::{Detail, Storage, StorageKind},
-    output::{self, exr, ply, png},
+    output::{
+        self, exr,
+        meshes::{MeshOptions, write_meshes},
+        ply, png,
+    },
     progress::{Progress, Unwatched},
-    raster::{self, Camera, Drawn, Frame, Layer, Model, Shade, Source},
-    scene::{Scene, Surface},
+    raster::{self, Camera, Drawn, Frame, Layer, Model, OnDemandCount, Shade, Source},
+    scene::{MeshSettings, Scene, Surface},
     statistics::{self, Boxes, DomainBox, Statistics, Times, Voxels, hex},
     voxelize::{self, BLOCK_LEVELS, Effort, Precision, Schedule, Settings, Voxelization},
 };
@@ -58,6 +64,8 @@ pub struct Picture {
     pub lattice: Lattice,
     /// The voxels of each surface of the scene, if all were found.
     pub storages: Vec<Box<dyn Storage>>,
+    /// The meshes of surfaces, if files of them are written.
+    pub meshes: Vec<Mesh>,
     /// Numbers.
     pub statistics: Statistics,
     /// What the user should know about how the scene was understood.
@@ -163,6 +171,14 @@ fn render_with_all_threads(
     let voxelize = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
+    let (meshes, of_meshes) = match scene.outputs.meshes.is_empty() {
+        true => (Vec::new(), Vec::new()),
+        false => meshing::meshes(scene, &whole.storages, &lattice, simd),
+    };
+    notes.extend(of_meshes.iter().filter_map(meshing::note));
+    let mesh = start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
     let tapes: Vec<Tape> = scene.surfaces.iter().map(|surface| surface.expr.tape()).collect();
     let details: Vec<Detail<'_>> =
         whole.storages.iter().map(|storage| Detail::new(&**storage, &lattice)).collect();
@@ -174,8 +190,11 @@ fn render_with_all_threads(
         tape: Some(&tapes[i]),
     };
     let layers: Vec<Layer<'_>> = (0..scene.surfaces.len()).map(layer).collect();
-    let (frame, seen) =
-        raster::render(&layers, &scene.models, &camera, &scene.image, simd, progress)?;
+    let is_wanted = is_frame || options.find_all || scene.outputs.has_picture();
+    let (frame, seen) = match is_wanted {
+        true => raster::render(&layers, &scene.models, &camera, &scene.image, simd, progress)?,
+        false => (Frame::filled(0, 0, [0.0; 4]), OnDemandCount::default()),
+    };
     let rasterize = start.elapsed().as_secs_f64();
     drop(details);
 
@@ -194,15 +213,16 @@ fn render_with_all_threads(
             bytes: statistics::Bytes::sum(whole.storages.iter().map(|storage| storage.bytes())),
             digests: whole.digests,
         },
+        meshes: of_meshes,
         frame: options.find_all.then(|| statistics::Frame::from(&frame.digest())),
         precision: Precision::for_lattice(&lattice).name(),
         simd: simd.name(),
         threads: rayon::current_num_threads(),
-        time_s: Times { voxelize, rasterize, write: 0.0 },
+        time_s: Times { voxelize, rasterize, mesh, write: 0.0 },
         peak_memory_bytes: limits::peak_memory_bytes(),
     };
     let storages = whole.storages;
-    Ok(Picture { frame, camera, lattice, storages, statistics, notes })
+    Ok(Picture { frame, camera, lattice, storages, meshes, statistics, notes })
 }
 
 /// All voxels of all surfaces.
@@ -267,6 +287,7 @@ fn is_visible_only(scene: &Scene, options: &Options, lattice: &Lattice) -> bool 
     // The paper's storages and schedule hold and find all, and so do values alone. The normals of
     // voxels without a gradient, and of slabs, are those of their neighbours, which may be anywhere.
     let needs_all = scene.outputs.ply.is_some()
+        || !scene.outputs.meshes.is_empty()
         || scene.storage != StorageKind::Morton
         || scene.schedule != Schedule::Stealing
         || !scene.certify
@@ -355,7 +376,7 @@ pub(crate) fn write(
     picture: &Picture,
     progress: &dyn Progress,
 ) -> Result<Vec<PathBuf>> {
-    let Picture { frame, lattice, storages, .. } = picture;
+    let Picture { frame, lattice, storages, meshes, .. } = picture;
     let mut written = Vec::new();
     let mut write_one =
         |name: &PathBuf, write: &dyn Fn(&mut output::FileWriter) -> output::Written| {
@@ -385,6 +406,15 @@ pub(crate) fn write(
             })
             .collect();
         write_one(name, &|out| ply::write(&points, lattice, out))?;
+    }
+    let MeshSettings { up, scale, unit, .. } = scene.mesh;
+    let of_meshes = MeshOptions { up, scale, unit, scene: scene.name.clone() };
+    for (format, name) in &scene.outputs.meshes {
+        if progress.is_cancelled() {
+            return Err(Error::Interrupted);
+        }
+        let path = options.out_dir.join(name);
+        written.extend(write_meshes(&path, *format, meshes, &of_meshes)?);
     }
     Ok(written)
 }

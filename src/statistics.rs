@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::{
     math::Aabb,
-    octree,
+    mesh, octree,
     raster::{FrameDigest, PlaneDigest},
     voxelize::Effort,
 };
@@ -28,6 +28,9 @@ pub struct Statistics {
     pub voxels: Voxels,
     /// The octrees of all surfaces.
     pub octree: Octree,
+    /// The meshes, if files of them are written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub meshes: Vec<Mesh>,
     /// The picture; its digests take a while, and are made only if the options ask to find all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<Frame>,
@@ -139,6 +142,74 @@ impl Bytes {
     }
 }
 
+/// The mesh of one surface.
+#[derive(Clone, Debug, Serialize)]
+pub struct Mesh {
+    /// The surface's name.
+    pub name: String,
+    /// Vertices.
+    pub vertices: u64,
+    /// Edges.
+    pub edges: u64,
+    /// Triangles.
+    pub triangles: u64,
+    /// Vertices less edges plus triangles.
+    pub euler: i64,
+    /// Pieces.
+    pub components: u64,
+    /// In squares of scene units.
+    pub area: f64,
+    /// In cubes of scene units, if the mesh is closed.
+    pub volume: f64,
+    /// Edges that only one triangle has.
+    pub open_edges: u64,
+    /// Vertices that were doubled where sheets touch.
+    pub split_vertices: u64,
+    /// Whatever else is wrong: crowded or turned edges, pinched or double vertices, flat triangles,
+    /// coordinates that are no numbers.
+    pub faults: u64,
+    /// Of vertices, normals and triangles.
+    pub digest: String,
+}
+
+impl Mesh {
+    /// Counts and measures of a mesh.
+    #[must_use]
+    pub fn of(mesh: &mesh::Mesh, split_vertices: u64) -> Self {
+        let mesh::Health {
+            open_edges,
+            crowded_edges,
+            turned_edges,
+            pinched_vertices,
+            flat_triangles,
+            not_finite,
+            double_vertices,
+        } = mesh.health();
+        let mesh::Shape { vertices, edges, triangles, euler, components, area, volume } =
+            mesh.shape();
+        Self {
+            name: mesh.name.clone(),
+            vertices,
+            edges,
+            triangles,
+            euler,
+            components,
+            area,
+            volume,
+            open_edges,
+            split_vertices,
+            // What was parted lies twice at one place.
+            faults: crowded_edges
+                + turned_edges
+                + pinched_vertices
+                + flat_triangles
+                + not_finite
+                + double_vertices.saturating_sub(split_vertices),
+            digest: hex(mesh.digest()),
+        }
+    }
+}
+
 /// The picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct Frame {
@@ -199,6 +270,8 @@ pub struct Times {
     pub voxelize: f64,
     /// Camera, z-buffer and shading.
     pub rasterize: f64,
+    /// Meshes.
+    pub mesh: f64,
     /// Encoding and writing files.
     pub write: f64,
 }

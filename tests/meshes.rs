@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot prepare its case has failed")]
 
-use std::{f64::consts::PI, path::Path};
+use std::{env, f64::consts::PI, fmt::Write as _, fs, path::Path};
 
 use zeroset::{
     math::{Lattice, SimdLevel},
@@ -136,4 +136,56 @@ fn clips_are_sharp() {
     // A cap of height h has the area 2 pi h.
     let height = 1.0 + 0.4 / 5.09_f64.sqrt();
     assert!((mesh.shape().area / (2.0 * PI * height) - 1.0).abs() < 2e-3, "{:?}", mesh.shape());
+}
+
+/// What files of `configs/` become as meshes, as far as a few lines tell: `golden/mesh/NAME.txt`, which
+/// `ZEROSET_BLESS=meshes` rewrites.
+#[test]
+fn meshes_of_scenes_are_the_golden_ones() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut differ = Vec::new();
+    for name in ["scene1", "scene3", "tanglecube", "drilled_cube", "solids", "gyroid", "helicoid"] {
+        let scene = scene::load(&root.join("configs").join(name).with_extension("toml")).unwrap();
+        let lattice = pipeline::lattice(&scene, Some(48));
+        let mut text = String::new();
+        for border in [Border::Open, Border::Capped] {
+            for surface in &scene.surfaces {
+                let found =
+                    voxelize(&surface.expr, &lattice, &Settings::default(), &Unwatched).unwrap();
+                let settings = FormulaSettings {
+                    border,
+                    vertex: VertexPlace::Polished,
+                    simd: SimdLevel::detect(),
+                };
+                let mut mesh = of_formula(&surface.expr.tape(), &found.octree, &lattice, &settings);
+                let split = mesh.split_touching();
+                let health = mesh.health();
+                assert!(
+                    Health { open_edges: 0, double_vertices: 0, ..health } == Health::default(),
+                    "{name}: {health:?}"
+                );
+                let Shape { vertices, triangles, euler, components, area, volume, .. } =
+                    mesh.shape();
+                writeln!(
+                    text,
+                    "{} {border:?}: {vertices} vertices, {triangles} triangles, Euler {euler}, \
+                     {components} components, {} open edges, {split} split, area {area:.6}, \
+                     volume {volume:.6}, {:032x}",
+                    surface.name,
+                    health.open_edges,
+                    mesh.digest()
+                )
+                .unwrap();
+            }
+        }
+        let golden = root.join("golden/mesh").join(name).with_extension("txt");
+        if env::var("ZEROSET_BLESS").is_ok_and(|wanted| wanted == "meshes" || wanted == "all") {
+            fs::create_dir_all(golden.parent().unwrap()).unwrap();
+            fs::write(&golden, &text).unwrap();
+            differ.push(format!("{name}: blessed"));
+        } else if fs::read_to_string(&golden).unwrap_or_default() != text {
+            differ.push(format!("{name} gives\n{text}"));
+        }
+    }
+    assert!(differ.is_empty(), "{}", differ.join("\n"));
 }

@@ -10,7 +10,7 @@ use std::{
 
 /// Every top-level module with the modules that it may use; data flows from left to right through
 /// the pipeline, so nobody uses what comes after.
-const MAY_USE: [(&str, &[&str]); 21] = [
+const MAY_USE: [(&str, &[&str]); 22] = [
     ("math", &[]),
     ("diagnostic", &[]),
     ("progress", &[]),
@@ -24,10 +24,24 @@ const MAY_USE: [(&str, &[&str]); 21] = [
     ("polygons", &["math"]),
     ("raster", &["eval", "expr", "math", "octree", "polygons", "progress", "voxelize"]),
     ("output", &["math", "mesh", "octree", "raster"]),
-    ("scene", &["diagnostic", "expr", "math", "octree", "polygons", "raster", "voxelize"]),
-    ("statistics", &["math", "octree", "raster", "voxelize"]),
+    (
+        "scene",
+        &[
+            "diagnostic",
+            "expr",
+            "math",
+            "mesh",
+            "octree",
+            "output",
+            "polygons",
+            "raster",
+            "voxelize",
+        ],
+    ),
+    ("statistics", &["math", "mesh", "octree", "raster", "voxelize"]),
     ("limits", &["math", "octree", "raster"]),
     ("advice", &["expr", "math", "octree", "voxelize"]),
+    ("meshing", &["math", "mesh", "octree", "scene", "statistics"]),
     (
         "pipeline",
         &[
@@ -35,6 +49,8 @@ const MAY_USE: [(&str, &[&str]); 21] = [
             "expr",
             "limits",
             "math",
+            "mesh",
+            "meshing",
             "octree",
             "output",
             "progress",

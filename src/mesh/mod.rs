@@ -17,6 +17,10 @@ mod repair;
 mod tests;
 
 pub use check::{Health, Shape};
+use std::hash::Hasher;
+
+use siphasher::sip128::{Hasher128, SipHasher13};
+
 pub use extract::{Crossing, Extraction, LEAST_PART, extract};
 pub use formula::{FormulaSettings, VertexPlace, of_formula};
 pub use grid::{Border, Brick, Grid, Leaf, SIDE, VOXELS};
@@ -38,6 +42,17 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// A digest of vertices, normals and triangles; equal meshes have equal digests on every machine.
+    #[must_use]
+    pub fn digest(&self) -> u128 {
+        let mut hasher = SipHasher13::new();
+        for coordinates in self.positions.iter().chain(&self.normals) {
+            coordinates.iter().for_each(|c| hasher.write_u32(c.to_bits().to_le()));
+        }
+        self.triangles.as_flattened().iter().for_each(|v| hasher.write_u32(v.to_le()));
+        hasher.finish128().as_u128()
+    }
+
     /// Drops vertices that no triangle has; the others keep their order.
     pub(crate) fn drop_unused(&mut self) {
         let mut numbers = vec![u32::MAX; self.positions.len()];

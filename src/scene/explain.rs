@@ -8,7 +8,7 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 12] = [
+const SECTIONS: [&str; 13] = [
     "version",
     "params",
     "let",
@@ -20,6 +20,7 @@ const SECTIONS: [&str; 12] = [
     "light",
     "image",
     "output",
+    "mesh",
     "animation",
 ];
 

@@ -135,11 +135,19 @@ impl Outputs {
             ply: self.ply.as_ref().map(numbered),
             apng: None,
             layers: self.layers,
+            meshes: self.meshes.iter().map(|(format, file)| (*format, numbered(file))).collect(),
         }
+    }
+
+    /// Whether there is a picture among them.
+    #[must_use]
+    pub fn has_picture(&self) -> bool {
+        self.png.is_some() || self.exr.is_some() || self.apng.is_some()
     }
 
     /// All files.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.png, &self.exr, &self.ply, &self.apng].into_iter().flatten()
+        let meshes = self.meshes.iter().map(|(_, file)| file);
+        [&self.png, &self.exr, &self.ply, &self.apng].into_iter().flatten().chain(meshes)
     }
 }

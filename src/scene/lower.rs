@@ -6,13 +6,13 @@
 use std::{
     collections::HashSet,
     ops::{Range, RangeInclusive},
-    path::{Component, Path, PathBuf},
+    path::Path,
 };
 
 use glam::DVec3;
 
 use super::{
-    Outputs, Scene, Surface,
+    Scene, Surface,
     animation::Track,
     color::linear,
     formula::Formula,
@@ -114,6 +114,7 @@ impl<'a> Lower<'a> {
             view,
             image: self.image(spec),
             outputs: self.outputs(name, spec),
+            mesh: self.mesh(spec),
             animation,
             sources: Sources::default(),
             warnings: Vec::new(),
@@ -250,68 +251,6 @@ impl<'a> Lower<'a> {
         edge
     }
 
-    fn outputs(&mut self, name: &str, scene: &SceneSpec) -> Outputs {
-        let spec = &scene.output.spec;
-        if let Some(ply) = &spec.ply
-            && *ply.get_ref() != Target::Switch(false)
-            && is_auto(&scene.voxels.spec)
-        {
-            self.errors.push(
-                Diagnostic::new(
-                    ply.span(),
-                    "`ply` holds all voxels, and resolution = \"auto\" finds some",
-                )
-                .label("which voxels?")
-                .help("write a number for `resolution`, or remove `ply`"),
-            );
-        }
-        if let Some(apng) = &spec.apng
-            && *apng.get_ref() != Target::Switch(false)
-            && scene.animation.is_none()
-        {
-            self.errors.push(
-                Diagnostic::new(apng.span(), "`apng` is for films")
-                    .label("the scene has no [animation]")
-                    .help("remove it, or add [animation] with the number of `frames`"),
-            );
-        }
-        Outputs {
-            png: self.file(&format!("{name}.png"), spec.png.as_ref()),
-            exr: self.file(&format!("{name}.exr"), spec.exr.as_ref()),
-            layers: spec.layers.unwrap_or(true),
-            ply: spec.ply.as_ref().and_then(|ply| self.file(&format!("{name}.ply"), Some(ply))),
-            apng: spec
-                .apng
-                .as_ref()
-                .and_then(|apng| self.file(&format!("{name}.apng"), Some(apng))),
-        }
-    }
-
-    /// The file to write: `default`, none, or the one named, which must end as `default` does.
-    fn file(&mut self, default: &str, target: Option<&Spanned<Target>>) -> Option<PathBuf> {
-        let Some(target) = target else { return Some(default.into()) };
-        let name = match target.get_ref() {
-            Target::Switch(write) => return write.then(|| default.into()),
-            Target::File(name) => Path::new(name),
-        };
-        let ending = Path::new(default).extension().unwrap_or_default();
-        let below = |part: Component<'_>| matches!(part, Component::Normal(_) | Component::CurDir);
-        if !name.components().all(below) {
-            self.errors.push(
-                Diagnostic::new(target.span(), "the file would lie outside the output directory")
-                    .label("not a relative name, or one with `..`")
-                    .help("choose the directory on the command line with --out"),
-            );
-        } else if name.extension() != Some(ending) {
-            let ending = ending.display();
-            self.errors.push(
-                Diagnostic::new(target.span(), format!("the name must end in `.{ending}`"))
-                    .help(format!("write a name such as \"picture.{ending}\", true or false")),
-            );
-        }
-        Some(name.to_owned())
-    }
-
     /// An integer in `range`, which lies within `u32`.
     pub(super) fn whole(
         &mut self,
@@ -378,7 +317,7 @@ impl<'a> Lower<'a> {
 }
 
 /// Whether voxels are to be as small as pixels.
-fn is_auto(spec: &VoxelsSpec) -> bool {
+pub(super) fn is_auto(spec: &VoxelsSpec) -> bool {
     spec.resolution.as_ref().is_some_and(|resolution| *resolution.get_ref() == Detail::Auto)
 }
 

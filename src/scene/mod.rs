@@ -18,6 +18,7 @@ mod load;
 mod lower;
 mod matcap;
 mod model;
+mod output;
 mod read;
 mod schema;
 mod spanned;
@@ -39,7 +40,9 @@ use crate::{
     diagnostic::{Diagnostic, Sources},
     expr::Expr,
     math::Aabb,
+    mesh::{Border, VertexPlace},
     octree::StorageKind,
+    output::meshes::{MeshFormat, Unit, Up},
     raster::{Coloring, ImageSettings, Material, Model, View},
     voxelize::Schedule,
 };
@@ -73,6 +76,8 @@ pub struct Scene {
     pub image: ImageSettings,
     /// Which files to write.
     pub outputs: Outputs,
+    /// How surfaces become meshes, if files of them are written.
+    pub mesh: MeshSettings,
     /// How it changes from frame to frame, if it is a film; all else is then as in the first frame.
     pub animation: Option<Animation>,
     /// What is allowed but perhaps not meant, in the order of the places.
@@ -107,4 +112,21 @@ pub struct Outputs {
     pub ply: Option<PathBuf>,
     /// All frames of a film; the other files are then numbered.
     pub apng: Option<PathBuf>,
+    /// Meshes of all surfaces.
+    pub meshes: Vec<(MeshFormat, PathBuf)>,
+}
+
+/// How surfaces become meshes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshSettings {
+    /// What surfaces do where the domain ends.
+    pub border: Border,
+    /// Where vertices are put.
+    pub vertex: VertexPlace,
+    /// The axis of files that points up; what is usual for each format where `None`.
+    pub up: Option<Up>,
+    /// Lengths in files for each in the scene, above 0.
+    pub scale: f64,
+    /// What a length in files is; what is usual for each format where `None`.
+    pub unit: Option<Unit>,
 }

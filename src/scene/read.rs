@@ -118,6 +118,7 @@ fn sections(root: DeTable<'_>, source: &str, errors: &mut Vec<Diagnostic>) -> Sc
             "camera" => spec.camera = section("[camera]", value, errors),
             "image" => spec.image = section("[image]", value, errors),
             "output" => spec.output = section("[output]", value, errors),
+            "mesh" => spec.mesh = section("[mesh]", value, errors),
             "animation" => spec.animation = Some(animation(value, errors)),
             unknown => errors.push(unknown_section(unknown, key_span)),
         }

@@ -48,6 +48,9 @@ pub(super) struct SceneSpec {
     pub(super) image: Section<ImageSpec>,
     #[schemars(default)]
     pub(super) output: Section<OutputSpec>,
+    /// How surfaces become meshes, for the files of `[output]` that hold them.
+    #[schemars(default)]
+    pub(super) mesh: Section<MeshSpec>,
     pub(super) animation: Option<Section<AnimationSpec>>,
 }
 
@@ -428,4 +431,56 @@ pub(super) struct OutputSpec {
     pub(super) ply: Option<Spanned<Target>>,
     /// False by default. True: NAME.apng, a film in one file.
     pub(super) apng: Option<Spanned<Target>>,
+    /// False by default. True: NAME.glb, meshes of all surfaces as binary glTF.
+    pub(super) glb: Option<Spanned<Target>>,
+    /// False by default. True: NAME.gltf, meshes as glTF in one text file.
+    pub(super) gltf: Option<Spanned<Target>>,
+    /// False by default. True: NAME.obj, meshes as Wavefront OBJ, with NAME.mtl.
+    pub(super) obj: Option<Spanned<Target>>,
+    /// False by default. True: NAME.mesh.ply, meshes as binary PLY.
+    pub(super) mesh_ply: Option<Spanned<Target>>,
+    /// False by default. True: NAME.stl, meshes as binary STL.
+    pub(super) stl: Option<Spanned<Target>>,
+    /// False by default. True: NAME.3mf, meshes with units for printing.
+    #[serde(rename = "3mf")]
+    pub(super) three_mf: Option<Spanned<Target>>,
+}
+
+/// How surfaces become meshes.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MeshSpec {
+    /// Whether solids are closed where the domain ends; false by default.
+    pub(super) cap: Option<bool>,
+    /// Where vertices are put; "polished" by default.
+    pub(super) vertex: Option<VertexSpec>,
+    /// The axis of files that points up; by default "y" for GLB, glTF and OBJ, "z" for the others.
+    pub(super) up: Option<UpSpec>,
+    /// Lengths in files for each in the scene; 1 by default.
+    pub(super) scale: Option<Spanned<Number>>,
+    /// What a length in files is; by default a metre in glTF and a millimetre in 3MF.
+    pub(super) unit: Option<UnitSpec>,
+}
+
+/// Where vertices are put.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum VertexSpec {
+    /// On the surface.
+    #[default]
+    Polished,
+    /// Where a value between those in the middles of voxels would be 0.
+    Linear,
+}
+
+/// What a length is.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum UnitSpec {
+    Micron,
+    Millimeter,
+    Centimeter,
+    Inch,
+    Foot,
+    Meter,
 }
