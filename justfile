@@ -12,6 +12,10 @@ render *ARGUMENTS:
 test:
     cargo test --release
 
+# Open every kind of file with other programs, `--full` with Blender and MeshLab; missing ones are installed
+consumers *ARGUMENTS:
+    ZEROSET_INSTALL=1 tests/consumers.sh {{ARGUMENTS}}
+
 # Renew the reference pictures of a scene, or `all`; then look at them and run the tests
 bless NAME:
     -ZEROSET_BLESS={{NAME}} cargo test --release --test golden

@@ -10,7 +10,7 @@
 //! | [`eval`] | tapes and boxes or points | enclosures, values, gradients, many at a time |
 //! | [`voxelize()`] | a formula and a [`Lattice`](math::Lattice) | an octree of voxels with normals and certificates |
 //! | [`raster`] | octrees and a [`Camera`](raster::Camera) | a [`Frame`](raster::Frame) |
-//! | [`output`] | a frame | PNG and EXR |
+//! | [`output`] | a frame, meshes | PNG and EXR; glTF, OBJ, PLY, STL and 3MF |
 //!
 //! [`pipeline`] puts them together, and [`film`] repeats it for many frames; [`cli`] is the command `render` around it.
 //!

@@ -111,7 +111,7 @@ fn check(mesh: &Mesh, placing: Placing) -> Result<(), String> {
     let is_no_unit = |n: &[f32; 3]| {
         let length = n.iter().map(|c| c * c).sum::<f32>().sqrt();
         // Not a number is no unit either.
-        !((length - 1.0).abs() <= NORMAL_SLACK)
+        !(1.0 - NORMAL_SLACK..=1.0 + NORMAL_SLACK).contains(&length)
     };
     if let Some(i) = mesh.normals.iter().position(is_no_unit) {
         return Err(format!("has a normal {:?}, which is not of length 1", mesh.normals[i]));

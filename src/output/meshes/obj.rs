@@ -1,7 +1,8 @@
 //! Wavefront OBJ: text that everything reads, and its materials.
 //!
 //! Each mesh is an object with a material of its name. Vertices carry colours as well, which MeshLab
-//! shows. Colours are sRGB, as nearly all readers take them. Numbers are the shortest that are read
+//! shows. Colours are sRGB, as nearly all readers take them; Blender takes those of vertices so, and
+//! those of materials for linear ones, which makes them paler. Numbers are the shortest that are read
 //! back as the same f32, without exponents, which some readers do not know.
 //!
 //! *Based on:* Wavefront Technologies, "Object Files (.obj)" and "MTL material format", 1995.
