@@ -144,7 +144,10 @@ fn render_with_all_threads(
     let details: Vec<Detail<'_>> =
         whole.storages.iter().map(|storage| Detail::new(&**storage, &lattice)).collect();
     let layer = |i: usize| Layer {
-        source: details.get(i).map_or(Source::OnDemand { is_auto: scene.is_auto }, Source::Stored),
+        source: match details.get(i) {
+            Some(detail) if !follows_rays(scene, &lattice) => Source::Stored(detail),
+            _ => Source::OnDemand { is_auto: scene.is_auto },
+        },
         lattice: &lattice,
         material: scene.surfaces[i].material,
         coloring: &scene.surfaces[i].coloring,
@@ -156,10 +159,14 @@ fn render_with_all_threads(
     let rasterize = start.elapsed().as_secs_f64();
     drop(details);
 
-    let stored = whole.n_voxels + seen.voxels;
-    let certified = whole.n_certified + seen.certified;
+    let (stored, certified) = if is_visible_only {
+        (seen.voxels, seen.certified)
+    } else {
+        (whole.n_voxels, whole.n_certified)
+    };
     let efforts = coarse.voxelizations.iter().map(|found| &found.effort);
-    let efforts = efforts.chain(&whole.efforts).chain([&seen.effort]);
+    // Where all voxels were found, what the picture took is no part of that.
+    let efforts = efforts.chain(&whole.efforts).chain(is_visible_only.then_some(&seen.effort));
     let statistics = Statistics {
         scene: scene.name.clone(),
         resolution: lattice.n_voxels(),
@@ -232,6 +239,15 @@ fn coarse_voxels(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Result<Co
         |surface: &Surface| voxelize::voxelize(&surface.expr, &coarse, &settings, &Unwatched);
     let voxelizations: Result<Vec<Voxelization>> = scene.surfaces.iter().map(find).collect();
     Ok(Coarse { voxelizations: voxelizations?, lattice: coarse })
+}
+
+/// Whether the picture needs no voxels: it follows rays through cells that are found on demand, so that
+/// it is the same whether all voxels are found or not.
+fn follows_rays(scene: &Scene, lattice: &Lattice) -> bool {
+    scene.certify
+        && scene.image.shade == Shade::Refine
+        && scene.image.candidates
+        && lattice.depth() > BLOCK_LEVELS
 }
 
 /// Whether only those voxels are found that the picture shows.

@@ -29,11 +29,14 @@ mod mock;
 mod occlusion;
 mod paint;
 mod resolve;
+mod roots;
 mod screen;
 mod settings;
 mod shade;
 mod shadow;
+mod sight;
 mod splat;
+mod sweep;
 #[cfg(test)]
 mod tests;
 mod tile;

@@ -12,7 +12,9 @@ use super::{
     light::Reach,
     resolve::{Shown, shown},
     screen::{Ray, Screen},
+    sight::Sight,
     splat::Splatter,
+    sweep::{Sighting, Swept},
     tile::Tile,
     trace::{Meeting, Quest, Trace, Traced},
     triangles::Triangles,
@@ -29,8 +31,8 @@ pub(super) struct Seen {
     pub(super) depth: f64,
     /// Outward, of length 1.
     pub(super) normal: DVec3,
-    /// Whether the surface provably passes through the voxel.
-    pub(super) certified: bool,
+    /// Whether the surface provably passes through the voxel, if that was asked.
+    pub(super) certified: Option<bool>,
     /// Edge of the voxel.
     pub(super) voxel_size: f64,
     /// How much the normals in it agree, in [0, 1].
@@ -106,6 +108,7 @@ impl Painter<'_> {
                 let hits = (0..tile.n_samples()).map(|sample| zbuffer.met.get(sample));
                 hits.map(|hit| hit.map(|hit| self.seen(blocks, &first_ranks, hit))).collect()
             }
+            Shade::Refine if self.maker.by_cells => self.sweep(blocks, tile, tools),
             Shade::Refine if has_formulas => {
                 let mut seen = vec![None; tile.n_samples()];
                 let wanted = vec![f64::INFINITY; tile.n_samples()];
@@ -162,7 +165,7 @@ impl Painter<'_> {
             layer: block.layer,
             depth: f64::from(depth),
             normal: view.storage.normal(rank).decode(),
-            certified: view.storage.is_certified(rank),
+            certified: Some(view.storage.is_certified(rank)),
             voxel_size: view.lattice.voxel_size(),
             coherence: view.coherence(rank),
             block: Some(number as u32),
@@ -214,6 +217,70 @@ impl Painter<'_> {
         seen
     }
 
+    /// What the samples show, by the cells of all blocks from front to back.
+    fn sweep(&self, blocks: &[&Block], tile: &Tile, tools: &mut Tools) -> Vec<Option<Seen>> {
+        let Tools { tracer, finder } = tools;
+        let screen = self.screen();
+        let mut seen = vec![None; tile.n_samples()];
+        let mut sight = Sight::new(screen, tile);
+        let mut sightings: Vec<Sighting> = Vec::new();
+        for (number, block) in (0..).zip(blocks) {
+            let Some(part) = block.extent.intersection(tile) else { continue };
+            if !sight.sees(&part, block.nearest) {
+                continue;
+            }
+            let layer = &self.layers()[block.layer];
+            let Some(tape) = layer.tape else { continue };
+            let Some(found) = self.maker.swept(block, &mut **finder) else { continue };
+            let tape = block.own_tape().unwrap_or(tape);
+            sightings.clear();
+            let swept = Swept { tape, cells: &found.swept, screen, near: layer.near() };
+            tracer.sweep(&swept, &mut sight, &mut sightings);
+            sightings.retain(|sighting| sighting.depth == sight.met(sighting.place));
+            let point =
+                |&Sighting { place, depth }: &Sighting| screen.eye + sight.ray(place).at(depth);
+            let points: Vec<DVec3> = sightings.iter().map(point).collect();
+            let gradients = tracer.gradients(tape, &points);
+            for ((sighting, gradient), &point) in sightings.iter().zip(gradients).zip(&points) {
+                let normal = unit(gradient).or_else(|| {
+                    // Where F has no gradient the voxel's normal stands in.
+                    let BlockView { storage, lattice, .. } = self.maker.open(block, &mut **finder);
+                    let rank = storage.find(lattice.voxel_at(point))?;
+                    Some(storage.normal(rank).decode())
+                });
+                seen[sight.sample(sighting.place)] = Some(Seen {
+                    layer: block.layer,
+                    depth: sighting.depth,
+                    normal: normal.unwrap_or(DVec3::Z),
+                    certified: None,
+                    voxel_size: found.voxel_size,
+                    coherence: 1.0,
+                    block: Some(number),
+                    tint: UNTINTED,
+                    reach: Reach::ALL,
+                });
+            }
+        }
+        seen
+    }
+
+    /// Whether the surface provably passes through the voxels of points that a tile shows, each with
+    /// the number of its block.
+    pub(super) fn certificates(
+        &self,
+        place: (usize, usize),
+        points: &[(u32, DVec3)],
+        tools: &mut Tools,
+    ) -> Vec<bool> {
+        let blocks: Vec<&Block> = self.blocks.of_tile(place).collect();
+        let of_point = |&(block, point): &(u32, DVec3)| {
+            let view = self.maker.open(blocks[block as usize], &mut *tools.finder);
+            let rank = view.storage.find(view.lattice.voxel_at(point));
+            rank.is_some_and(|rank| view.storage.is_certified(rank))
+        };
+        points.iter().map(of_point).collect()
+    }
+
     /// The mean curvature at points that a tile shows, each with the number of its block and the
     /// edge of its voxel; 0 where there is none.
     pub(super) fn curvatures(
@@ -232,8 +299,7 @@ impl Painter<'_> {
             let Some(tape) = self.layers()[block.layer].tape else { continue };
             let of_points: Vec<(DVec3, f64)> =
                 of_block.iter().map(|&i| (points[i].1, points[i].2)).collect();
-            self.maker.open(block, &mut **finder);
-            let cells = &self.maker.cells(block);
+            let cells = &*self.maker.cells(block, &mut **finder);
             let own = block.tape(&Traced { tape, cells, eye: self.screen().eye }, &mut **tracer);
             let found = tracer.curvatures(own.as_deref().unwrap_or(tape), &of_points);
             for (&i, curvature) in of_block.iter().zip(found) {
@@ -288,7 +354,7 @@ impl Painter<'_> {
                 continue;
             }
             let view = self.maker.open(block, &mut **finder);
-            let cells = &*self.maker.cells(block);
+            let cells = &*self.maker.cells(block, &mut **finder);
             let depths = self.depths(cells, layer.near(), &part);
             quests.clear();
             for row in part.rows.clone() {
@@ -308,7 +374,12 @@ impl Painter<'_> {
             let own = block.tape(&whole, &mut **tracer);
             let traced = Traced { tape: own.as_deref().unwrap_or(tape), ..whole };
             tracer.trace(&traced, &quests, &mut meetings);
-            let gradients = tracer.gradients(&traced, &quests, &meetings);
+            let point = |meeting: &Meeting| {
+                let (column, row) = tile.place(meeting.sample as usize);
+                eye + self.screen().ray(column, row).at(meeting.depth)
+            };
+            let points: Vec<DVec3> = meetings.iter().map(point).collect();
+            let gradients = tracer.gradients(traced.tape, &points);
             for (meeting, gradient) in meetings.iter().zip(gradients) {
                 let sample = meeting.sample as usize;
                 if meeting.depth < farthest[sample] {
@@ -363,7 +434,7 @@ impl Painter<'_> {
             layer: block.layer,
             depth,
             normal: normal.or_else(|| unit(gradient)).unwrap_or(DVec3::Z),
-            certified: rank.is_some_and(|rank| storage.is_certified(rank)),
+            certified: Some(rank.is_some_and(|rank| storage.is_certified(rank))),
             voxel_size: lattice.voxel_size(),
             coherence: 1.0,
             block: Some(number),

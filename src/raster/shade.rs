@@ -54,6 +54,8 @@ struct Shown {
     /// In scene coordinates.
     point: DVec3,
     voxel_size: f64,
+    /// Whether it is not known whether its voxel is certified.
+    is_open: bool,
 }
 
 /// Paints and lights all pixels.
@@ -114,6 +116,9 @@ pub(super) fn shade(
                     shader.light(&painter, (column, row), &tile, &mut seen, tools);
                     progress.advance(1);
                     let mut pixels = shader.pixels(&tile, &seen);
+                    if image.certificate {
+                        add_certificates(&painter, (column, row), &mut pixels, tools);
+                    }
                     if image.curvature {
                         add_curvatures(&painter, (column, row), &mut pixels, tools);
                     }
@@ -167,7 +172,7 @@ impl<'a> OnScreen<'a> {
         }
         let near = layers.iter().map(Layer::near).fold(f64::INFINITY, f64::min);
         let triangles = Triangles::new(models, screen, near);
-        let maker = BlockMaker { layers, screen, candidates: image.candidates };
+        let maker = BlockMaker::new(layers, screen, image);
         Ok(Self { maker, blocks, triangles, shade: image.shade })
     }
 
@@ -261,9 +266,10 @@ impl Shader<'_> {
             position: point.as_vec3().to_array(),
             surface: (seen.layer + 1) as f32,
             curvature: 0.0,
-            certificate: f32::from(u8::from(seen.certified)),
+            certificate: f32::from(u8::from(seen.certified == Some(true))),
         };
-        (pixel, Some(Shown { block: seen.block, point, voxel_size: seen.voxel_size }))
+        let is_open = seen.certified.is_none();
+        (pixel, Some(Shown { block: seen.block, point, voxel_size: seen.voxel_size, is_open }))
     }
 
     fn lit(&self, tile: &Tile, sample: usize, seen: &Seen) -> [f32; 4] {
@@ -279,6 +285,23 @@ impl Shader<'_> {
     }
 }
 
+/// Adds whether the voxels that pixels show are certified, where that is not known yet.
+fn add_certificates(
+    painter: &Painter<'_>,
+    place: (usize, usize),
+    pixels: &mut [(Pixel, Option<Shown>)],
+    tools: &mut Tools,
+) {
+    let points = pixels.iter().enumerate().filter_map(|(i, (_, shown))| {
+        let Shown { block, point, .. } = shown.filter(|shown| shown.is_open)?;
+        Some((i, (block?, point)))
+    });
+    let (places, points): (Vec<usize>, Vec<(u32, DVec3)>) = points.unzip();
+    for (i, is_certified) in places.into_iter().zip(painter.certificates(place, &points, tools)) {
+        pixels[i].0.certificate = f32::from(u8::from(is_certified));
+    }
+}
+
 /// Adds the curvatures at the points that pixels show.
 fn add_curvatures(
     painter: &Painter<'_>,
@@ -287,7 +310,7 @@ fn add_curvatures(
     tools: &mut Tools,
 ) {
     let points = pixels.iter().enumerate().filter_map(|(i, (_, shown))| {
-        let Shown { block, point, voxel_size } = (*shown)?;
+        let Shown { block, point, voxel_size, .. } = (*shown)?;
         Some((i, (block?, point, voxel_size)))
     });
     let (places, points): (Vec<usize>, Vec<(u32, DVec3, f64)>) = points.unzip();

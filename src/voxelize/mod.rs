@@ -14,6 +14,7 @@ mod affine;
 mod bounds;
 mod brick;
 mod bricks;
+mod cells;
 mod closer;
 mod closer_points;
 mod corners;
@@ -32,6 +33,8 @@ use fearless_simd::{Simd, f32x16, f64x8};
 use fixedbitset::FixedBitSet;
 
 pub use bounds::{Extent, find_extent};
+pub use brick::BRICK_LEVELS;
+pub use cells::{BlockCells, Cell, CellBounds};
 pub use on_demand::{BLOCK_LEVELS, BlockVoxels, FindVoxels, Octant, Wish, find_blocks, finder};
 pub use sampling::{FieldRange, sample_field};
 pub use schedule::Schedule;

@@ -194,6 +194,12 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
         self.masks.iter_mut().map(LevelMasks::take).collect()
     }
 
+    /// Drops masks and tapes of what was searched.
+    pub(super) fn forget(&mut self) {
+        self.masks.iter_mut().for_each(|masks| drop(masks.take()));
+        self.tapes.forget();
+    }
+
     /// What was evaluated since the last call.
     pub(super) fn take_effort(&mut self) -> Effort {
         std::mem::replace(&mut self.effort, Effort::new(self.depth))
