@@ -6,7 +6,7 @@ use crate::{
     expr::Expr,
     math::{Aabb, Lattice, SimdLevel},
     octree::{MortonOctree, Storage as _},
-    voxelize::{Extent, FieldRange, find_extent, sample_field},
+    voxelize::{Extent, FieldRange, Outline, find_extent, sample_field},
 };
 
 /// Where surfaces are looked for if neither the scene nor their extent says.
@@ -81,20 +81,42 @@ fn nearest(range: &FieldRange) -> String {
     }
 }
 
+/// The voxels that a surface may meet, as far as advice depends on them.
+#[derive(Clone, Copy, Debug)]
+pub struct Occupied<'a> {
+    /// Where they lie.
+    lattice: &'a Lattice,
+    /// The first and the last along each axis.
+    bounds: ([u32; 3], [u32; 3]),
+    /// The part of all voxels that they are, if that is too large.
+    large_part: Option<f64>,
+}
+
+impl<'a> Occupied<'a> {
+    /// Those of an octree, if there are any.
+    #[must_use]
+    pub fn of_octree(octree: &MortonOctree, lattice: &'a Lattice) -> Option<Self> {
+        let all = lattice.n_voxels().map(f64::from).iter().product::<f64>();
+        let part = f64::from(octree.voxel_count()) / all;
+        let large_part = Some(part).filter(|&part| part > LARGE_PART);
+        Some(Self { lattice, bounds: octree.bounds()?, large_part })
+    }
+
+    /// Those of an outline, if there are any.
+    #[must_use]
+    pub fn of_outline(outline: &'a Outline) -> Option<Self> {
+        let (bounds, large_part) = (outline.bounds()?, outline.part_above(LARGE_PART));
+        Some(Self { lattice: outline.lattice(), bounds, large_part })
+    }
+}
+
 /// What the user may want to know about a surface that was found: that it could hardly be excluded
 /// from anywhere, that the domain cuts it though it could hold all of it, or is far too large.
 #[must_use]
-pub fn about(
-    name: &str,
-    expr: &Expr,
-    octree: &MortonOctree,
-    lattice: &Lattice,
-    simd: SimdLevel,
-) -> Option<String> {
-    let (least, most) = octree.bounds()?;
+pub fn about(name: &str, expr: &Expr, found: &Occupied<'_>, simd: SimdLevel) -> Option<String> {
+    let Occupied { lattice, bounds: (least, most), large_part } = *found;
     let n = lattice.n_voxels();
-    let part = f64::from(octree.voxel_count()) / n.map(f64::from).iter().product::<f64>();
-    if part > LARGE_PART {
+    if let Some(part) = large_part {
         return Some(format!(
             "`{name}` was excluded from only {:.0} % of the voxels: F may be 0 everywhere, or its \
              formula is too involved for this resolution",

@@ -3,17 +3,18 @@
 use std::{num::NonZeroUsize, path::PathBuf, thread, time::Instant};
 
 use crate::{
-    Error, Result, advice,
+    Error, Result,
+    advice::{self, Occupied},
     expr::Tape,
     limits::{self, Memory},
-    math::{Lattice, SimdLevel},
+    math::{Aabb, Lattice, SimdLevel},
     octree::{Detail, Storage, StorageKind},
     output::{self, exr, ply, png},
-    progress::{Progress, Unwatched},
-    raster::{self, Camera, Drawn, Frame, Layer, Model, Shade, Source},
+    progress::Progress,
+    raster::{self, Camera, Drawn, Frame, Layer, Shade, Source},
     scene::{Scene, Surface},
     statistics::{self, Boxes, DomainBox, Statistics, Times, Voxels, hex},
-    voxelize::{self, BLOCK_LEVELS, Effort, Precision, Schedule, Settings, Voxelization},
+    voxelize::{self, BLOCK_LEVELS, Effort, Outline, Precision, Schedule, Settings, Voxelization},
 };
 
 /// What the user may change for one run without touching the scene.
@@ -118,23 +119,30 @@ fn render_with_all_threads(
     let lattice = choose_lattice(scene, options.resolution, simd, &mut notes);
 
     let start = Instant::now();
-    let coarse = coarse_voxels(scene, &lattice, simd)?;
-    if coarse.voxelizations.iter().all(|found| found.octree.voxel_count() == 0) {
+    let outlines = outlines(scene, &lattice, simd)?;
+    if outlines.iter().all(Outline::is_empty) {
         return Err(nothing_found(scene, &lattice, simd));
     }
     let aspect = f64::from(scene.image.width) / f64::from(scene.image.height);
-    let camera = Camera::new(&scene.view, aspect, &coarse.drawn(&scene.models));
+    let drawn = Drawn { voxels: Vec::new(), outlines: &outlines, models: &scene.models };
+    let camera = Camera::new(&scene.view, aspect, &drawn);
 
     let is_visible_only = is_visible_only(scene, options, &lattice);
     let whole = if is_visible_only {
-        notes.extend(notes_on(scene, &coarse.voxelizations, &coarse.lattice, simd));
+        notes.extend(notes_on(
+            scene,
+            lattice.bounds(),
+            outlines.iter().map(Occupied::of_outline),
+            simd,
+        ));
         Whole::default()
     } else {
         let (voxelizations, n_voxels) = find_voxels(scene, &lattice, simd, &memory, progress)?;
         if n_voxels == 0 {
             return Err(nothing_found(scene, &lattice, simd));
         }
-        notes.extend(notes_on(scene, &voxelizations, &lattice, simd));
+        let occupied = voxelizations.iter().map(|v| Occupied::of_octree(&v.octree, &lattice));
+        notes.extend(notes_on(scene, lattice.bounds(), occupied, simd));
         Whole::new(scene, voxelizations)
     };
     let voxelize = start.elapsed().as_secs_f64();
@@ -164,9 +172,10 @@ fn render_with_all_threads(
     } else {
         (whole.n_voxels, whole.n_certified)
     };
-    let efforts = coarse.voxelizations.iter().map(|found| &found.effort);
+    let of_outlines: Vec<Effort> = outlines.iter().map(Outline::effort).collect();
     // Where all voxels were found, what the picture took is no part of that.
-    let efforts = efforts.chain(&whole.efforts).chain(is_visible_only.then_some(&seen.effort));
+    let efforts =
+        of_outlines.iter().chain(&whole.efforts).chain(is_visible_only.then_some(&seen.effort));
     let statistics = Statistics {
         scene: scene.name.clone(),
         resolution: lattice.n_voxels(),
@@ -213,32 +222,17 @@ impl Whole {
     }
 }
 
-/// Large voxels, by which the camera is placed: the same whichever voxels are found after them.
-struct Coarse {
-    lattice: Lattice,
-    voxelizations: Vec<Voxelization>,
-}
-
-impl Coarse {
-    /// What the camera is to show.
-    fn drawn<'a>(&'a self, models: &'a [Model]) -> Drawn<'a> {
-        let octrees = self.voxelizations.iter().map(|found| &found.octree as &dyn Storage);
-        Drawn { voxels: octrees.map(|octree| (octree, &self.lattice)).collect(), models }
-    }
-}
-
 /// Voxels along the longest axis for placing the camera, at most.
 const COARSE: u32 = 128;
 
-fn coarse_voxels(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Result<Coarse> {
+/// The outlines of all surfaces, by which the camera is placed: the same whichever voxels are found
+/// after them.
+fn outlines(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Result<Vec<Outline>> {
     let resolution = lattice.n_voxels().into_iter().max().unwrap_or(1);
     let levels = resolution.div_ceil(COARSE).next_power_of_two().ilog2();
     let coarse = Lattice::new(lattice.bounds(), (resolution >> levels).max(1));
-    let settings = Settings { simd, certify: scene.certify, ..Settings::default() };
-    let find =
-        |surface: &Surface| voxelize::voxelize(&surface.expr, &coarse, &settings, &Unwatched);
-    let voxelizations: Result<Vec<Voxelization>> = scene.surfaces.iter().map(find).collect();
-    Ok(Coarse { voxelizations: voxelizations?, lattice: coarse })
+    let outline = |surface: &Surface| Outline::new(&surface.expr, &coarse, simd, scene.certify);
+    scene.surfaces.iter().map(outline).collect()
 }
 
 /// Whether the picture needs no voxels: it follows rays through cells that are found on demand, so that
@@ -319,21 +313,20 @@ fn nothing_found(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Error {
 }
 
 /// What the user should know about the surfaces that were found, and those that were not.
-fn notes_on(
+fn notes_on<'a>(
     scene: &Scene,
-    voxelizations: &[Voxelization],
-    lattice: &Lattice,
+    domain: Aabb,
+    occupied: impl Iterator<Item = Option<Occupied<'a>>>,
     simd: SimdLevel,
 ) -> Vec<String> {
-    let about = |(surface, found): (&Surface, &Voxelization)| {
+    let about = |(surface, found): (&Surface, Option<Occupied<'a>>)| {
         let (name, expr) = (surface.name.as_str(), &surface.expr);
-        if found.octree.voxel_count() == 0 {
-            Some(advice::why_empty(name, expr, lattice.bounds(), simd))
-        } else {
-            advice::about(name, expr, &found.octree, lattice, simd)
+        match found {
+            None => Some(advice::why_empty(name, expr, domain, simd)),
+            Some(found) => advice::about(name, expr, &found, simd),
         }
     };
-    scene.surfaces.iter().zip(voxelizations).filter_map(about).collect()
+    scene.surfaces.iter().zip(occupied).filter_map(about).collect()
 }
 
 fn write(

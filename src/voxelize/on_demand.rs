@@ -163,6 +163,13 @@ pub trait FindVoxels: Send {
     /// The voxels of the block at an octant of `lattice`.
     fn find(&mut self, octant: &Octant, lattice: &Lattice) -> BlockVoxels;
 
+    /// The same by values alone: the places of voxels in the block, and its lattice.
+    fn find_by_values(
+        &mut self,
+        octant: &Octant,
+        lattice: &Lattice,
+    ) -> (Vec<[u32; 3]>, Lattice, Effort);
+
     /// The cells of the same block, as large as bricks, with bounds that hold up to `margin` beyond
     /// each.
     fn find_cells(&mut self, octant: &Octant, lattice: &Lattice, margin: f64) -> BlockCells;
@@ -212,6 +219,21 @@ impl<S: Simd> FindVoxels for Finder<S> {
             Precision::Single => voxels(enter(*simd, single, &block), block, tape),
             Precision::Double => voxels(enter(*simd, double, &block), block, tape),
         }
+    }
+
+    fn find_by_values(
+        &mut self,
+        octant: &Octant,
+        lattice: &Lattice,
+    ) -> (Vec<[u32; 3]>, Lattice, Effort) {
+        let block = Arc::new(lattice.block(octant.level, octant.ijk, BLOCK_LEVELS));
+        let root = Run::root(octant.tape.clone());
+        let Self { simd, voxels: Searches { single, double }, .. } = self;
+        let (places, effort) = match Precision::for_lattice(&block) {
+            Precision::Single => enter(*simd, single, &block).places(root),
+            Precision::Double => enter(*simd, double, &block).places(root),
+        };
+        (places, Arc::unwrap_or_clone(block), effort)
     }
 
     fn find_cells(&mut self, octant: &Octant, lattice: &Lattice, margin: f64) -> BlockCells {

@@ -215,6 +215,13 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
         runs
     }
 
+    /// The voxels below a root by values alone, and what that took.
+    pub(super) fn places(&mut self, root: Run) -> (Vec<[u32; 3]>, Effort) {
+        let runs = self.descend(root, self.depth);
+        self.forget();
+        (runs.iter().flat_map(Run::places).collect(), self.take_effort())
+    }
+
     /// Searches the single node of `run`, on `level`, down to the voxels.
     pub(super) fn subtree(&mut self, run: Run, level: u32) -> Subtree {
         self.search(run, level);
