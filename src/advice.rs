@@ -105,8 +105,28 @@ impl<'a> Occupied<'a> {
     /// Those of an outline, if there are any.
     #[must_use]
     pub fn of_outline(outline: &'a Outline) -> Option<Self> {
-        let (bounds, large_part) = (outline.bounds()?, outline.part_above(LARGE_PART));
-        Some(Self { lattice: outline.lattice(), bounds, large_part })
+        let (lattice, large_part) = (outline.lattice(), outline.part_above(LARGE_PART));
+        let loose = Self { lattice, bounds: outline.loose_bounds()?, large_part };
+        // Only what would be told must be exact.
+        let is_exact = loose.is_cut() || loose.edge() < 2.0 * SMALL_PART * loose.longest();
+        Some(if is_exact { Self { bounds: outline.bounds()?, ..loose } } else { loose })
+    }
+
+    /// Whether they reach the border of the domain.
+    fn is_cut(&self) -> bool {
+        let (Self { bounds: (least, most), .. }, n) = (self, self.lattice.n_voxels());
+        (0..3).any(|axis| least[axis] == 0 || most[axis] + 1 == n[axis])
+    }
+
+    /// The longest edge of their box, in voxels.
+    fn edge(&self) -> f64 {
+        let (least, most) = self.bounds;
+        (0..3).map(|axis| most[axis] + 1 - least[axis]).max().map_or(0.0, f64::from)
+    }
+
+    /// The domain's longest edge, in voxels.
+    fn longest(&self) -> f64 {
+        self.lattice.n_voxels().into_iter().max().map_or(1.0, f64::from)
     }
 }
 
@@ -114,24 +134,20 @@ impl<'a> Occupied<'a> {
 /// from anywhere, that the domain cuts it though it could hold all of it, or is far too large.
 #[must_use]
 pub fn about(name: &str, expr: &Expr, found: &Occupied<'_>, simd: SimdLevel) -> Option<String> {
-    let Occupied { lattice, bounds: (least, most), large_part } = *found;
-    let n = lattice.n_voxels();
-    if let Some(part) = large_part {
+    if let Some(part) = found.large_part {
         return Some(format!(
             "`{name}` was excluded from only {:.0} % of the voxels: F may be 0 everywhere, or its \
              formula is too involved for this resolution",
             100.0 * (1.0 - part)
         ));
     }
-    let is_cut = (0..3).any(|axis| least[axis] == 0 || most[axis] + 1 == n[axis]);
-    let edge = (0..3).map(|axis| most[axis] + 1 - least[axis]).max().unwrap_or(0);
-    let longest = n.into_iter().max().unwrap_or(1);
-    let is_small = f64::from(edge) < SMALL_PART * f64::from(longest);
+    let (is_cut, edge, longest) = (found.is_cut(), found.edge(), found.longest());
+    let is_small = edge < SMALL_PART * longest;
     if !is_cut && !is_small {
         return None;
     }
     let Extent::Within(bounds) = find_extent(expr, simd) else { return None };
-    let domain = lattice.bounds();
+    let domain = found.lattice.bounds();
     let slack = EXTENT_SLACK * bounds.size().max_element();
     let leaves =
         (bounds.min.cmplt(domain.min - slack) | bounds.max.cmpgt(domain.max + slack)).any();

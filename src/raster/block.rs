@@ -63,8 +63,8 @@ struct FoundVoxels {
 /// The cells of a block that was asked for, which are larger than voxels.
 pub(super) struct FoundCells {
     cells: Cells,
-    /// From front to back.
-    pub(super) swept: Vec<SweptCell>,
+    /// By tapes that they share, each from front to back.
+    pub(super) groups: Vec<(Arc<Tape>, Vec<SweptCell>)>,
     /// Edge of a voxel.
     pub(super) voxel_size: f64,
     effort: Effort,
@@ -84,11 +84,6 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// The formula in it, if that was asked for or came with it.
-    pub(super) fn own_tape(&self) -> Option<&Tape> {
-        self.tape.get().map(|tape| &**tape)
-    }
-
     /// The layer's formula, which is that of `whole`, shortened to the block, if that can be. It is
     /// the same whoever asks first.
     pub(super) fn tape(&self, whole: &Traced<'_>, tracer: &mut dyn Trace) -> Option<Arc<Tape>> {
@@ -237,7 +232,9 @@ impl<'a> BlockMaker<'a> {
             let side = 1 << (BLOCK_LEVELS - BRICK_LEVELS);
             let mut cells = Cells::new(origin, size, side, bounds.max - eye);
             let slack = 1e-9 * size + rounding;
-            let cell = |cell: &Cell| {
+            let forward = self.screen.forward;
+            let end = cells.end();
+            let mut swept = |cell: &Cell| {
                 cells.insert(cell.ijk);
                 let corner = |end: u32| {
                     let plane = |axis: usize| lattice.corner(axis, cell.ijk[axis] + end);
@@ -245,14 +242,19 @@ impl<'a> BlockMaker<'a> {
                 };
                 let bounds = cell.bounds.map(|bounds| from_eye(bounds, eye, size, rounding));
                 let in_region = cell.in_region;
-                let (lo, hi) = (corner(0) - slack, corner(1).min(cells.end()) + slack);
+                let (lo, hi) = (corner(0) - slack, corner(1).min(end) + slack);
                 SweptCell { lo, hi, bounds, in_region }
             };
-            let mut swept: Vec<SweptCell> = found.cells.iter().map(cell).collect();
-            let forward = self.screen.forward;
-            swept.sort_by(|a, b| forward.dot(a.lo).total_cmp(&forward.dot(b.lo)));
+            let depth = |cell: &SweptCell| forward.dot(cell.lo + cell.hi);
+            let group = |(tape, cells): (Arc<Tape>, Vec<Cell>)| {
+                let mut group: Vec<SweptCell> = cells.iter().map(&mut swept).collect();
+                group.sort_unstable_by(|a, b| depth(a).total_cmp(&depth(b)));
+                (tape, group)
+            };
+            let mut groups: Vec<_> = found.groups.into_iter().map(group).collect();
+            groups.sort_by(|(_, a), (_, b)| depth(&a[0]).total_cmp(&depth(&b[0])));
             let voxel_size = size / f64::from(1_u32 << BRICK_LEVELS);
-            FoundCells { cells, swept, voxel_size, effort: found.effort }
+            FoundCells { cells, groups, voxel_size, effort: found.effort }
         })
     }
 

@@ -16,12 +16,15 @@ use super::{
     splat::Splatter,
     sweep::{Sighting, Swept},
     tile::Tile,
-    trace::{Meeting, Quest, Trace, Traced},
+    trace::{Meeting, Quest, Trace, Traced, tracer},
     triangles::Triangles,
     walk::{Cells, Span},
     zbuffer::{Hit, ZBuffer},
 };
-use crate::voxelize::FindVoxels;
+use crate::{
+    math::SimdLevel,
+    voxelize::{FindVoxels, finder},
+};
 
 /// What a sample shows.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +55,16 @@ pub(super) const UNTINTED: [f32; 3] = [1.0; 3];
 pub(super) struct Tools {
     pub(super) tracer: Box<dyn Trace>,
     pub(super) finder: Box<dyn FindVoxels>,
+    /// What the last tile showed: memory for the next one.
+    pub(super) seen: Vec<Option<Seen>>,
+    sight: Sight,
+}
+
+impl Tools {
+    pub(super) fn new(simd: SimdLevel) -> Self {
+        let (tracer, finder) = (tracer(simd), finder(simd));
+        Self { tracer, finder, seen: Vec::new(), sight: Sight::default() }
+    }
 }
 
 /// Everything that painting a tile needs to know.
@@ -219,10 +232,12 @@ impl Painter<'_> {
 
     /// What the samples show, by the cells of all blocks from front to back.
     fn sweep(&self, blocks: &[&Block], tile: &Tile, tools: &mut Tools) -> Vec<Option<Seen>> {
-        let Tools { tracer, finder } = tools;
+        let Tools { tracer, finder, seen, sight } = tools;
         let screen = self.screen();
-        let mut seen = vec![None; tile.n_samples()];
-        let mut sight = Sight::new(screen, tile);
+        let mut seen = std::mem::take(seen);
+        seen.clear();
+        seen.resize(tile.n_samples(), None);
+        sight.enter(screen, tile);
         let mut sightings: Vec<Sighting> = Vec::new();
         for (number, block) in (0..).zip(blocks) {
             let Some(part) = block.extent.intersection(tile) else { continue };
@@ -230,35 +245,34 @@ impl Painter<'_> {
                 continue;
             }
             let layer = &self.layers()[block.layer];
-            let Some(tape) = layer.tape else { continue };
             let Some(found) = self.maker.swept(block, &mut **finder) else { continue };
-            let tape = block.own_tape().unwrap_or(tape);
-            sightings.clear();
-            let swept = Swept { tape, cells: &found.swept, screen, near: layer.near() };
-            tracer.sweep(&swept, &mut sight, &mut sightings);
-            sightings.retain(|sighting| sighting.depth == sight.met(sighting.place));
-            let point =
-                |&Sighting { place, depth }: &Sighting| screen.eye + sight.ray(place).at(depth);
-            let points: Vec<DVec3> = sightings.iter().map(point).collect();
-            let gradients = tracer.gradients(tape, &points);
-            for ((sighting, gradient), &point) in sightings.iter().zip(gradients).zip(&points) {
-                let normal = unit(gradient).or_else(|| {
-                    // Where F has no gradient the voxel's normal stands in.
-                    let BlockView { storage, lattice, .. } = self.maker.open(block, &mut **finder);
-                    let rank = storage.find(lattice.voxel_at(point))?;
-                    Some(storage.normal(rank).decode())
-                });
-                seen[sight.sample(sighting.place)] = Some(Seen {
-                    layer: block.layer,
-                    depth: sighting.depth,
-                    normal: normal.unwrap_or(DVec3::Z),
-                    certified: None,
-                    voxel_size: found.voxel_size,
-                    coherence: 1.0,
-                    block: Some(number),
-                    tint: UNTINTED,
-                    reach: Reach::ALL,
-                });
+            for (tape, cells) in &found.groups {
+                sightings.clear();
+                let swept = Swept { tape, cells, screen, near: layer.near() };
+                tracer.sweep(&swept, sight, &mut sightings);
+                sightings.retain(|sighting| sighting.depth == sight.met(sighting.place));
+                let point = |s: &Sighting| screen.eye + sight.ray(s.place).at(s.depth);
+                let points: Vec<DVec3> = sightings.iter().map(point).collect();
+                let gradients = tracer.gradients(tape, &points);
+                for ((sighting, gradient), &point) in sightings.iter().zip(gradients).zip(&points) {
+                    let normal = unit(gradient).or_else(|| {
+                        // Where F has no gradient the voxel's normal stands in.
+                        let view = self.maker.open(block, &mut **finder);
+                        let rank = view.storage.find(view.lattice.voxel_at(point))?;
+                        Some(view.storage.normal(rank).decode())
+                    });
+                    seen[sight.sample(sighting.place)] = Some(Seen {
+                        layer: block.layer,
+                        depth: sighting.depth,
+                        normal: normal.unwrap_or(DVec3::Z),
+                        certified: None,
+                        voxel_size: found.voxel_size,
+                        coherence: 1.0,
+                        block: Some(number),
+                        tint: UNTINTED,
+                        reach: Reach::ALL,
+                    });
+                }
             }
         }
         seen
@@ -289,7 +303,7 @@ impl Painter<'_> {
         points: &[(u32, DVec3, f64)],
         tools: &mut Tools,
     ) -> Vec<f64> {
-        let Tools { tracer, finder } = tools;
+        let Tools { tracer, finder, .. } = tools;
         let blocks: Vec<&Block> = self.blocks.of_tile(place).collect();
         let mut order: Vec<usize> = (0..points.len()).collect();
         order.sort_by_key(|&i| points[i].0);
@@ -340,7 +354,7 @@ impl Painter<'_> {
         seen: &mut [Option<Seen>],
         of_voxels: bool,
     ) {
-        let Tools { tracer, finder } = tools;
+        let Tools { tracer, finder, .. } = tools;
         let (mut quests, mut meetings): (Vec<Quest>, Vec<Meeting>) = (Vec::new(), Vec::new());
         for (number, block) in (0..).zip(blocks) {
             let Some(part) = block.extent.intersection(tile) else { continue };

@@ -164,7 +164,7 @@ impl<'a> Shadows<'a> {
         shafts: &mut [Shaft],
         tools: &mut Tools,
     ) {
-        let Tools { tracer, finder } = tools;
+        let Tools { tracer, finder, .. } = tools;
         let screen = &view.screen;
         let maker = BlockMaker::new(self.layers, screen, self.image);
         let (mut quests, mut meetings): (Vec<Quest>, Vec<Meeting>) = (Vec::new(), Vec::new());

@@ -17,6 +17,7 @@ const FLAT: f64 = 1e300;
 
 /// The rays of a tile. Each has a place: rows are followed by a few rays that look nowhere, so that
 /// [`RAYS`] of them can be loaded anywhere.
+#[derive(Default)]
 pub(super) struct Sight {
     pub(super) tile: Tile,
     stride: usize,
@@ -43,34 +44,39 @@ pub(super) struct Rays<S: Simd> {
 }
 
 impl Sight {
-    pub(super) fn new(screen: &Screen, tile: &Tile) -> Self {
+    /// Goes on to the rays of another tile, which have met nothing yet.
+    pub(super) fn enter(&mut self, screen: &Screen, tile: &Tile) {
         let (width, height) = (tile.columns.len(), tile.rows.len());
-        let stride = width + RAYS;
         let (columns, rows) = screen.vectors(tile);
-        let of_axis = |axis: usize| {
-            let mut of_columns: Vec<f64> = columns.iter().map(|v| v[axis]).collect();
-            of_columns.resize(stride, 0.0);
-            of_columns
-        };
-        let common = screen.is_parallel.then_some(screen.forward);
+        self.tile = tile.clone();
+        self.stride = width + RAYS;
+        self.common = screen.is_parallel.then_some(screen.forward);
+        self.rows.clear();
+        self.rows.extend_from_slice(rows);
         let invert = |d: f64| if d.abs() < 1.0 / FLAT { FLAT } else { 1.0 / d };
-        let columns = [0, 1, 2].map(of_axis);
-        let inverse = [0, 1, 2].map(|axis| match common {
-            Some(direction) => vec![invert(direction[axis]); stride],
-            None => {
-                let of_row = |row: &DVec3| {
-                    let row = row[axis];
-                    columns[axis].iter().map(move |&column| invert(column + row))
-                };
-                rows.iter().flat_map(of_row).collect()
+        for axis in 0..3 {
+            let (of_columns, inverse) = (&mut self.columns[axis], &mut self.inverse[axis]);
+            of_columns.clear();
+            of_columns.extend(columns.iter().map(|column| column[axis]));
+            of_columns.resize(self.stride, 0.0);
+            inverse.clear();
+            match self.common {
+                Some(direction) => inverse.resize(self.stride, invert(direction[axis])),
+                None => {
+                    for row in rows {
+                        let row = row[axis];
+                        inverse.extend(of_columns.iter().map(|&column| invert(column + row)));
+                    }
+                }
             }
-        });
-        let mut far = vec![f64::NEG_INFINITY; stride * height];
-        for row in far.chunks_mut(stride) {
+        }
+        self.far.clear();
+        self.far.resize(self.stride * height, f64::NEG_INFINITY);
+        for row in self.far.chunks_mut(self.stride) {
             row[..width].fill(f64::INFINITY);
         }
-        let met = vec![f64::INFINITY; stride * height];
-        Self { tile: tile.clone(), stride, common, columns, rows: rows.to_vec(), inverse, far, met }
+        self.met.clear();
+        self.met.resize(self.stride * height, f64::INFINITY);
     }
 
     /// The place of a sample of the screen.

@@ -5,12 +5,15 @@
 //! value and one gradient for each then bound F along every ray that passes through it; see
 //! `affine`.
 
+use std::sync::Arc;
+
 use fearless_simd::Simd;
 use glam::DVec3;
 
 use super::search::{Effort, Run, Search};
 use crate::{
     eval::BATCH,
+    expr::Tape,
     math::{Lanes, Lattice, Scalar},
 };
 
@@ -41,8 +44,8 @@ pub struct CellBounds {
 pub struct BlockCells {
     /// The cells' lattice.
     pub lattice: Lattice,
-    /// Those that the surface may meet.
-    pub cells: Vec<Cell>,
+    /// Those that the surface may meet, by the shortened tapes that they share.
+    pub groups: Vec<(Arc<Tape>, Vec<Cell>)>,
     /// What it took.
     pub effort: Effort,
 }
@@ -73,19 +76,30 @@ impl CellBounds {
 }
 
 impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
-    /// The cells of the lattice that the surface may meet. Bounds hold up to `margin` beyond each.
-    pub(super) fn cells(&mut self, root: Run, margin: f64) -> (Vec<Cell>, Effort) {
-        let mut cells = Vec::new();
+    /// The cells of the lattice that the surface may meet, by the tapes that they share. Bounds hold
+    /// up to `margin` beyond each.
+    pub(super) fn cells(
+        &mut self,
+        root: Run,
+        margin: f64,
+    ) -> (Vec<(Arc<Tape>, Vec<Cell>)>, Effort) {
+        let mut groups: Vec<(Arc<Tape>, Vec<Cell>)> = Vec::new();
         for run in self.descend(root, self.depth) {
-            self.bound_cells(&run, margin, &mut cells);
+            let mut cells = self.bound_cells(&run, margin);
+            match groups.last_mut() {
+                _ if cells.is_empty() => {}
+                Some((tape, group)) if Arc::ptr_eq(tape, &run.tape) => group.append(&mut cells),
+                _ => groups.push((run.tape, cells)),
+            }
         }
         self.forget();
-        (cells, self.take_effort())
+        (groups, self.take_effort())
     }
 
-    /// Adds those cells of a run that their bounds do not disprove.
-    fn bound_cells(&mut self, run: &Run, margin: f64, cells: &mut Vec<Cell>) {
+    /// Those cells of a run that their bounds do not disprove.
+    fn bound_cells(&mut self, run: &Run, margin: f64) -> Vec<Cell> {
         let nodes: Vec<[u32; 3]> = run.places().collect();
+        let mut cells = Vec::with_capacity(nodes.len());
         self.effort.gradients += nodes.len() as u64;
         for batch in nodes.chunks(BATCH) {
             let mut middles = [DVec3::ZERO; BATCH];
@@ -112,19 +126,20 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
                 if is(verdict.empty | verdict.inside_where_defined()) {
                     continue;
                 }
+                let of_axis = |axis: usize| {
+                    [slopes.lo[axis][lane], slopes.hi[axis][lane]].map(Scalar::to_f64)
+                };
                 let bounds = CellBounds {
                     middle: middles[lane],
                     value: [values.lo[lane], values.hi[lane]].map(Scalar::to_f64),
-                    slopes: [0, 1, 2].map(|axis| {
-                        [slopes.lo[axis][lane], slopes.hi[axis][lane]].map(Scalar::to_f64)
-                    }),
+                    slopes: [0, 1, 2].map(of_axis),
                 };
                 let bounds = Some(bounds).filter(|b| is(verdict.continuous) && b.is_finite());
-                let is_empty = bounds.is_some_and(|bounds| bounds.excludes(halves[lane]));
-                if !is_empty {
+                if !bounds.is_some_and(|bounds| bounds.excludes(halves[lane])) {
                     cells.push(Cell { ijk, bounds, in_region: is(verdict.in_region) });
                 }
             }
         }
+        cells
     }
 }

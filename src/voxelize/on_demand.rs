@@ -241,11 +241,11 @@ impl<S: Simd> FindVoxels for Finder<S> {
         let block = Arc::new(lattice.block(octant.level, octant.ijk, levels));
         let root = Run::root(octant.tape.clone());
         let Self { simd, cells: Searches { single, double }, .. } = self;
-        let (cells, effort) = match Precision::for_lattice(&block) {
+        let (groups, effort) = match Precision::for_lattice(&block) {
             Precision::Single => enter(*simd, single, &block).cells(root, margin),
             Precision::Double => enter(*simd, double, &block).cells(root, margin),
         };
-        BlockCells { lattice: Arc::unwrap_or_clone(block), cells, effort }
+        BlockCells { lattice: Arc::unwrap_or_clone(block), groups, effort }
     }
 }
 

@@ -97,9 +97,7 @@ impl Outline {
                     break;
                 }
                 let found = reach(self.centers(&self.blocks[i]), directions);
-                for k in 0..N {
-                    farthest[k] = if found[k] > farthest[k] { found[k] } else { farthest[k] };
-                }
+                farthest = farther(farthest, found);
             }
         }
         farthest
@@ -111,12 +109,22 @@ impl Outline {
         self.blocks.iter().all(|block| self.centers(block).is_empty())
     }
 
+    /// The first and the last voxel along each axis by values alone, which the voxels cannot
+    /// exceed.
+    #[must_use]
+    pub fn loose_bounds(&self) -> Option<([u32; 3], [u32; 3])> {
+        let of_blocks = self.blocks.iter().map(|block| reach(&block.centers, AXES));
+        self.bounds_from(of_blocks.fold([f64::NEG_INFINITY; 6], farther))
+    }
+
     /// The first and the last voxel along each axis.
     #[must_use]
     pub fn bounds(&self) -> Option<([u32; 3], [u32; 3])> {
-        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-        let [x1, y1, z1, x0, y0, z0] =
-            self.reach([axes[0], axes[1], axes[2], -axes[0], -axes[1], -axes[2]]);
+        self.bounds_from(self.reach(AXES))
+    }
+
+    fn bounds_from(&self, reach: [f64; 6]) -> Option<([u32; 3], [u32; 3])> {
+        let [x1, y1, z1, x0, y0, z0] = reach;
         let voxel = |x: f64, y: f64, z: f64| self.lattice.voxel_at(DVec3::new(x, y, z));
         x1.is_finite().then(|| (voxel(-x0, -y0, -z0), voxel(x1, y1, z1)))
     }
@@ -186,6 +194,14 @@ fn centers(BlockVoxels { octree, lattice, .. }: &BlockVoxels) -> Vec<DVec3> {
         octree.visit(part, &mut |voxel| centers.push(lattice.voxel_center(voxel.ijk)));
     }
     centers
+}
+
+/// There and back along each axis.
+const AXES: [DVec3; 6] = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
+
+/// The farther of each two.
+fn farther<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| if b[k] > a[k] { b[k] } else { a[k] })
 }
 
 fn reach<const N: usize>(centers: &[DVec3], directions: [DVec3; N]) -> [f64; N] {
