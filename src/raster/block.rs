@@ -22,8 +22,8 @@ use crate::{
     math::{Aabb, Lattice, SimdLevel},
     octree::{Detail, DetailLevel, Part, Storage},
     voxelize::{
-        BLOCK_LEVELS, BRICK_LEVELS, BlockVoxels, Cell, CellBounds, Effort, FindVoxels, Octant,
-        Wish, find_blocks,
+        BLOCK_LEVELS, BRICK_LEVELS, BlockVoxels, Cell, CellBounds, CellGroup, Effort, FindVoxels,
+        Octant, Wish, find_blocks,
     },
 };
 
@@ -246,7 +246,7 @@ impl<'a> BlockMaker<'a> {
                 SweptCell { lo, hi, bounds, in_region }
             };
             let depth = |cell: &SweptCell| forward.dot(cell.lo + cell.hi);
-            let group = |(tape, cells): (Arc<Tape>, Vec<Cell>)| {
+            let group = |CellGroup { tape, cells }: CellGroup| {
                 let mut group: Vec<SweptCell> = cells.iter().map(&mut swept).collect();
                 group.sort_unstable_by(|a, b| depth(a).total_cmp(&depth(b)));
                 (tape, group)

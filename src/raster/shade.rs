@@ -298,11 +298,10 @@ fn add_certificates(
     planes: &mut Planes<'_>,
     tools: &mut Tools,
 ) {
-    let open = shown.iter().filter(|shown| shown.is_open);
-    let of_blocks = open.filter_map(|shown| Some((shown.pixel, (shown.block?, shown.point))));
-    let (pixels, points): (Vec<[usize; 2]>, Vec<(u32, DVec3)>) = of_blocks.unzip();
+    let open = || shown.iter().filter(|shown| shown.is_open && shown.block.is_some());
+    let points: Vec<_> = open().filter_map(|shown| Some((shown.block?, shown.point))).collect();
     let certificates = painter.certificates(place, &points, tools);
-    for ([row, column], is_certified) in pixels.into_iter().zip(certificates) {
+    for (&Shown { pixel: [row, column], .. }, is_certified) in open().zip(certificates) {
         planes.certificate[row][column] = f32::from(u8::from(is_certified));
     }
 }
@@ -315,13 +314,11 @@ fn add_curvatures(
     planes: &mut Planes<'_>,
     tools: &mut Tools,
 ) {
-    let of_blocks = shown.iter().filter_map(|shown| {
-        let Shown { pixel, block, point, voxel_size, .. } = *shown;
-        Some((pixel, (block?, point, voxel_size)))
-    });
-    let (pixels, points): (Vec<[usize; 2]>, Vec<(u32, DVec3, f64)>) = of_blocks.unzip();
+    let of_point = |shown: &Shown| Some((shown.block?, shown.point, shown.voxel_size));
+    let points: Vec<_> = shown.iter().filter_map(of_point).collect();
     let curvatures = painter.curvatures(place, &points, tools);
-    for ([row, column], curvature) in pixels.into_iter().zip(curvatures) {
+    let of_blocks = shown.iter().filter(|shown| shown.block.is_some());
+    for (&Shown { pixel: [row, column], .. }, curvature) in of_blocks.zip(curvatures) {
         planes.curvature[row][column] = curvature as f32;
     }
 }

@@ -255,15 +255,15 @@ fn bound_some<S: Simd>(
         let first = origin[axis] - zero.same(bounds.middle[axis]);
         let x = first + from * direction[axis];
         let (a, b) = (x * lo, x * hi);
-        f_lo = f_lo + a.min(b);
-        f_hi = f_hi + a.max(b);
+        f_lo += a.min(b);
+        f_hi += a.max(b);
         let x = first + to * direction[axis];
         let (a, b) = (x * lo, x * hi);
-        g_lo = g_lo + a.min(b);
-        g_hi = g_hi + a.max(b);
+        g_lo += a.min(b);
+        g_hi += a.max(b);
         let (a, b) = (direction[axis] * lo, direction[axis] * hi);
-        falls = falls + a.min(b);
-        rises = rises + a.max(b);
+        falls += a.min(b);
+        rises += a.max(b);
     }
     let positive = zero.lt(f_lo) & zero.lt(g_lo);
     let negative = f_hi.lt(zero) & g_hi.lt(zero);

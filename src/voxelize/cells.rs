@@ -39,13 +39,22 @@ pub struct CellBounds {
     pub slopes: [[f64; 2]; 3],
 }
 
+/// Cells that share a shortened tape.
+#[derive(Clone, Debug)]
+pub struct CellGroup {
+    /// F in them.
+    pub tape: Arc<Tape>,
+    /// At least one.
+    pub cells: Vec<Cell>,
+}
+
 /// What was found in a block.
 #[derive(Clone, Debug)]
 pub struct BlockCells {
     /// The cells' lattice.
     pub lattice: Lattice,
-    /// Those that the surface may meet, by the shortened tapes that they share.
-    pub groups: Vec<(Arc<Tape>, Vec<Cell>)>,
+    /// Those that the surface may meet.
+    pub groups: Vec<CellGroup>,
     /// What it took.
     pub effort: Effort,
 }
@@ -78,18 +87,16 @@ impl CellBounds {
 impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
     /// The cells of the lattice that the surface may meet, by the tapes that they share. Bounds hold
     /// up to `margin` beyond each.
-    pub(super) fn cells(
-        &mut self,
-        root: Run,
-        margin: f64,
-    ) -> (Vec<(Arc<Tape>, Vec<Cell>)>, Effort) {
-        let mut groups: Vec<(Arc<Tape>, Vec<Cell>)> = Vec::new();
+    pub(super) fn cells(&mut self, root: Run, margin: f64) -> (Vec<CellGroup>, Effort) {
+        let mut groups: Vec<CellGroup> = Vec::new();
         for run in self.descend(root, self.depth) {
             let mut cells = self.bound_cells(&run, margin);
             match groups.last_mut() {
                 _ if cells.is_empty() => {}
-                Some((tape, group)) if Arc::ptr_eq(tape, &run.tape) => group.append(&mut cells),
-                _ => groups.push((run.tape, cells)),
+                Some(group) if Arc::ptr_eq(&group.tape, &run.tape) => {
+                    group.cells.append(&mut cells);
+                }
+                _ => groups.push(CellGroup { tape: run.tape, cells }),
             }
         }
         self.forget();

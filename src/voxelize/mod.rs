@@ -35,7 +35,7 @@ use fixedbitset::FixedBitSet;
 
 pub use bounds::{Extent, find_extent};
 pub use brick::BRICK_LEVELS;
-pub use cells::{BlockCells, Cell, CellBounds};
+pub use cells::{BlockCells, Cell, CellBounds, CellGroup};
 pub use on_demand::{BLOCK_LEVELS, BlockVoxels, FindVoxels, Octant, Wish, find_blocks, finder};
 pub use outline::Outline;
 pub use sampling::{FieldRange, sample_field};
