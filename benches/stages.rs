@@ -52,7 +52,7 @@ fn draw(scene: &Scene, lattice: &Lattice, octree: &MortonOctree) -> Frame {
         coloring: &Coloring::Plain,
         tape: Some(&tape),
     }];
-    let content = Drawn { voxels: vec![(octree, lattice)], models: &[] };
+    let content = Drawn { voxels: vec![(octree, lattice)], outlines: &[], models: &[] };
     let camera = Camera::new(&scene.view, 1.0, &content);
     let simd = SimdLevel::detect();
     raster::render(&layers, &[], &camera, &scene.image, simd, &Unwatched).unwrap().0

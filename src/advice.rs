@@ -8,7 +8,7 @@ use crate::{
     expr::Expr,
     math::{Aabb, Lattice, SimdLevel},
     octree::{MortonOctree, Storage as _},
-    voxelize::{Extent, FieldRange, find_extent, sample_field},
+    voxelize::{Extent, FieldRange, Outline, find_extent, sample_field},
 };
 
 /// Where surfaces are looked for if neither the scene nor their extent says.
@@ -84,35 +84,73 @@ fn nearest(range: &FieldRange) -> String {
     }
 }
 
+/// The voxels that a surface may meet, as far as advice depends on them.
+#[derive(Clone, Copy, Debug)]
+pub struct Occupied<'a> {
+    /// Where they lie.
+    lattice: &'a Lattice,
+    /// The first and the last along each axis.
+    bounds: ([u32; 3], [u32; 3]),
+    /// The part of all voxels that they are, if that is too large.
+    large_part: Option<f64>,
+}
+
+impl<'a> Occupied<'a> {
+    /// Those of an octree, if there are any.
+    #[must_use]
+    pub fn of_octree(octree: &MortonOctree, lattice: &'a Lattice) -> Option<Self> {
+        let all = lattice.n_voxels().map(f64::from).iter().product::<f64>();
+        let part = f64::from(octree.voxel_count()) / all;
+        let large_part = Some(part).filter(|&part| part > LARGE_PART);
+        Some(Self { lattice, bounds: octree.bounds()?, large_part })
+    }
+
+    /// Those of an outline, if there are any.
+    #[must_use]
+    pub fn of_outline(outline: &'a Outline) -> Option<Self> {
+        let (lattice, large_part) = (outline.lattice(), outline.part_above(LARGE_PART));
+        let loose = Self { lattice, bounds: outline.loose_bounds()?, large_part };
+        // Only what would be told must be exact.
+        let is_exact = loose.is_cut() || loose.edge() < 2.0 * SMALL_PART * loose.longest();
+        Some(if is_exact { Self { bounds: outline.bounds()?, ..loose } } else { loose })
+    }
+
+    /// Whether they reach the border of the domain.
+    fn is_cut(&self) -> bool {
+        let (Self { bounds: (least, most), .. }, n) = (self, self.lattice.n_voxels());
+        (0..3).any(|axis| least[axis] == 0 || most[axis] + 1 == n[axis])
+    }
+
+    /// The longest edge of their box, in voxels.
+    fn edge(&self) -> f64 {
+        let (least, most) = self.bounds;
+        (0..3).map(|axis| most[axis] + 1 - least[axis]).max().map_or(0.0, f64::from)
+    }
+
+    /// The domain's longest edge, in voxels.
+    fn longest(&self) -> f64 {
+        self.lattice.n_voxels().into_iter().max().map_or(1.0, f64::from)
+    }
+}
+
 /// What the user may want to know about a surface that was found: that it could hardly be excluded
 /// from anywhere, that the domain cuts it though it could hold all of it, or is far too large.
 #[must_use]
-pub fn about(
-    name: &str,
-    expr: &Expr,
-    octree: &MortonOctree,
-    lattice: &Lattice,
-    simd: SimdLevel,
-) -> Option<String> {
-    let (least, most) = octree.bounds()?;
-    let n = lattice.n_voxels();
-    let part = f64::from(octree.voxel_count()) / n.map(f64::from).iter().product::<f64>();
-    if part > LARGE_PART {
+pub fn about(name: &str, expr: &Expr, found: &Occupied<'_>, simd: SimdLevel) -> Option<String> {
+    if let Some(part) = found.large_part {
         return Some(format!(
             "`{name}` was excluded from only {:.0} % of the voxels: F may be 0 everywhere, or its \
              formula is too involved for this resolution",
             100.0 * (1.0 - part)
         ));
     }
-    let is_cut = (0..3).any(|axis| least[axis] == 0 || most[axis] + 1 == n[axis]);
-    let edge = (0..3).map(|axis| most[axis] + 1 - least[axis]).max().unwrap_or(0);
-    let longest = n.into_iter().max().unwrap_or(1);
-    let is_small = f64::from(edge) < SMALL_PART * f64::from(longest);
+    let (is_cut, edge, longest) = (found.is_cut(), found.edge(), found.longest());
+    let is_small = edge < SMALL_PART * longest;
     if !is_cut && !is_small {
         return None;
     }
     let Extent::Within(bounds) = find_extent(expr, simd) else { return None };
-    let domain = lattice.bounds();
+    let domain = found.lattice.bounds();
     let slack = EXTENT_SLACK * bounds.size().max_element();
     let leaves =
         (bounds.min.cmplt(domain.min - slack) | bounds.max.cmpgt(domain.max + slack)).any();

@@ -229,7 +229,7 @@ fn survey(
             return Err(pipeline::nothing_found(&scene, &lattice, simd));
         }
     }
-    let models = Drawn { voxels: Vec::new(), models: &scene.models };
+    let models = Drawn { voxels: Vec::new(), outlines: &[], models: &scene.models };
     let cameras = Camera::of_film(&views, scene.image.aspect(), &(models, seen.boxes().as_slice()));
     Ok((scene, cameras))
 }

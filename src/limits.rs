@@ -169,6 +169,7 @@ mod tests {
             shade: Shade::Voxel,
             samples: 1,
             candidates: true,
+            certificate: true,
             curvature: false,
         }
     }

@@ -3,10 +3,11 @@
 use std::{num::NonZeroUsize, ops::RangeInclusive, path::PathBuf, thread, time::Instant};
 
 use crate::{
-    Error, Result, advice,
+    Error, Result,
+    advice::{self, Occupied},
     expr::Tape,
     limits::{self, Memory},
-    math::{Lattice, SimdLevel},
+    math::{Aabb, Lattice, SimdLevel},
     mesh::Mesh,
     meshing,
     octree::{Detail, Storage, StorageKind},
@@ -16,10 +17,10 @@ use crate::{
         ply, png,
     },
     progress::{Progress, Unwatched},
-    raster::{self, Camera, Drawn, Frame, Layer, Model, OnDemandCount, Shade, Source},
+    raster::{self, Camera, Drawn, Frame, Layer, OnDemandCount, Shade, Source},
     scene::{MeshSettings, Scene, Surface},
     statistics::{self, Boxes, DomainBox, Statistics, Times, Voxels, hex},
-    voxelize::{self, BLOCK_LEVELS, Effort, Precision, Schedule, Settings, Voxelization},
+    voxelize::{self, BLOCK_LEVELS, Effort, Outline, Precision, Schedule, Settings, Voxelization},
 };
 
 /// What the user may change for one run without touching the scene.
@@ -147,25 +148,31 @@ fn render_with_all_threads(
     let lattice = choose_lattice(scene, options.resolution, simd, &mut notes);
 
     let start = Instant::now();
-    let coarse = coarse_voxels(scene, &lattice, simd)?;
+    let outlines = outlines(scene, &lattice, simd)?;
     let is_frame = camera.is_some();
-    if !is_frame && coarse.is_empty() {
+    if !is_frame && outlines.iter().all(Outline::is_empty) {
         return Err(nothing_found(scene, &lattice, simd));
     }
-    let camera = camera.cloned().unwrap_or_else(|| {
-        Camera::new(&scene.view, scene.image.aspect(), &coarse.drawn(&scene.models))
-    });
+    let drawn = Drawn { voxels: Vec::new(), outlines: &outlines, models: &scene.models };
+    let camera =
+        camera.cloned().unwrap_or_else(|| Camera::new(&scene.view, scene.image.aspect(), &drawn));
 
     let is_visible_only = is_visible_only(scene, options, &lattice);
     let whole = if is_visible_only {
-        notes.extend(notes_on(scene, &coarse.voxelizations, &coarse.lattice, simd));
+        notes.extend(notes_on(
+            scene,
+            lattice.bounds(),
+            outlines.iter().map(Occupied::of_outline),
+            simd,
+        ));
         Whole::default()
     } else {
         let (voxelizations, n_voxels) = find_voxels(scene, &lattice, simd, &memory, progress)?;
         if n_voxels == 0 && !is_frame {
             return Err(nothing_found(scene, &lattice, simd));
         }
-        notes.extend(notes_on(scene, &voxelizations, &lattice, simd));
+        let occupied = voxelizations.iter().map(|v| Occupied::of_octree(&v.octree, &lattice));
+        notes.extend(notes_on(scene, lattice.bounds(), occupied, simd));
         Whole::new(scene, voxelizations)
     };
     let voxelize = start.elapsed().as_secs_f64();
@@ -183,7 +190,10 @@ fn render_with_all_threads(
     let details: Vec<Detail<'_>> =
         whole.storages.iter().map(|storage| Detail::new(&**storage, &lattice)).collect();
     let layer = |i: usize| Layer {
-        source: details.get(i).map_or(Source::OnDemand { is_auto: scene.is_auto }, Source::Stored),
+        source: match details.get(i) {
+            Some(detail) if !follows_rays(scene, &lattice) => Source::Stored(detail),
+            _ => Source::OnDemand { is_auto: scene.is_auto },
+        },
         lattice: &lattice,
         material: scene.surfaces[i].material,
         coloring: &scene.surfaces[i].coloring,
@@ -198,10 +208,15 @@ fn render_with_all_threads(
     let rasterize = start.elapsed().as_secs_f64();
     drop(details);
 
-    let stored = whole.n_voxels + seen.voxels;
-    let certified = whole.n_certified + seen.certified;
-    let efforts = coarse.voxelizations.iter().map(|found| &found.effort);
-    let efforts = efforts.chain(&whole.efforts).chain([&seen.effort]);
+    let (stored, certified) = if is_visible_only {
+        (seen.voxels, seen.certified)
+    } else {
+        (whole.n_voxels, whole.n_certified)
+    };
+    let of_outlines: Vec<Effort> = outlines.iter().map(Outline::effort).collect();
+    // Where all voxels were found, what the picture took is no part of that.
+    let efforts =
+        of_outlines.iter().chain(&whole.efforts).chain(is_visible_only.then_some(&seen.effort));
     let statistics = Statistics {
         scene: scene.name.clone(),
         resolution: lattice.n_voxels(),
@@ -249,37 +264,47 @@ impl Whole {
     }
 }
 
-/// Large voxels, by which the camera is placed: the same whichever voxels are found after them.
+/// Voxels along the longest axis for placing the camera, at most.
+const COARSE: u32 = 128;
+
+/// A lattice of large voxels, by which cameras are placed.
+fn coarse_lattice(lattice: &Lattice) -> Lattice {
+    let resolution = lattice.n_voxels().into_iter().max().unwrap_or(1);
+    let levels = resolution.div_ceil(COARSE).next_power_of_two().ilog2();
+    Lattice::new(lattice.bounds(), (resolution >> levels).max(1))
+}
+
+/// Large voxels of all surfaces.
 pub(crate) struct Coarse {
     pub(crate) lattice: Lattice,
     pub(crate) voxelizations: Vec<Voxelization>,
 }
 
-impl Coarse {
-    fn is_empty(&self) -> bool {
-        self.voxelizations.iter().all(|found| found.octree.voxel_count() == 0)
-    }
-
-    /// What the camera is to show.
-    fn drawn<'a>(&'a self, models: &'a [Model]) -> Drawn<'a> {
-        let octrees = self.voxelizations.iter().map(|found| &found.octree as &dyn Storage);
-        Drawn { voxels: octrees.map(|octree| (octree, &self.lattice)).collect(), models }
-    }
-}
-
-/// Voxels along the longest axis for placing the camera, at most.
-const COARSE: u32 = 128;
-
-/// Finds them for all surfaces.
+/// Finds large voxels of all surfaces.
 pub(crate) fn coarse_voxels(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Result<Coarse> {
-    let resolution = lattice.n_voxels().into_iter().max().unwrap_or(1);
-    let levels = resolution.div_ceil(COARSE).next_power_of_two().ilog2();
-    let coarse = Lattice::new(lattice.bounds(), (resolution >> levels).max(1));
+    let coarse = coarse_lattice(lattice);
     let settings = Settings { simd, certify: scene.certify, ..Settings::default() };
     let find =
         |surface: &Surface| voxelize::voxelize(&surface.expr, &coarse, &settings, &Unwatched);
     let voxelizations: Result<Vec<Voxelization>> = scene.surfaces.iter().map(find).collect();
     Ok(Coarse { voxelizations: voxelizations?, lattice: coarse })
+}
+
+/// The outlines of all surfaces, by which the camera is placed: the same whichever voxels are found
+/// after them.
+fn outlines(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -> Result<Vec<Outline>> {
+    let coarse = coarse_lattice(lattice);
+    let outline = |surface: &Surface| Outline::new(&surface.expr, &coarse, simd, scene.certify);
+    scene.surfaces.iter().map(outline).collect()
+}
+
+/// Whether the picture needs no voxels: it follows rays through cells that are found on demand, so that
+/// it is the same whether all voxels are found or not.
+fn follows_rays(scene: &Scene, lattice: &Lattice) -> bool {
+    scene.certify
+        && scene.image.shade == Shade::Refine
+        && scene.image.candidates
+        && lattice.depth() > BLOCK_LEVELS
 }
 
 /// Whether only those voxels are found that the picture shows.
@@ -352,21 +377,20 @@ pub(crate) fn nothing_found(scene: &Scene, lattice: &Lattice, simd: SimdLevel) -
 }
 
 /// What the user should know about the surfaces that were found, and those that were not.
-fn notes_on(
+fn notes_on<'a>(
     scene: &Scene,
-    voxelizations: &[Voxelization],
-    lattice: &Lattice,
+    domain: Aabb,
+    occupied: impl Iterator<Item = Option<Occupied<'a>>>,
     simd: SimdLevel,
 ) -> Vec<String> {
-    let about = |(surface, found): (&Surface, &Voxelization)| {
+    let about = |(surface, found): (&Surface, Option<Occupied<'a>>)| {
         let (name, expr) = (surface.name.as_str(), &surface.expr);
-        if found.octree.voxel_count() == 0 {
-            Some(advice::why_empty(name, expr, lattice.bounds(), simd))
-        } else {
-            advice::about(name, expr, &found.octree, lattice, simd)
+        match found {
+            None => Some(advice::why_empty(name, expr, domain, simd)),
+            Some(found) => advice::about(name, expr, &found, simd),
         }
     };
-    scene.surfaces.iter().zip(voxelizations).filter_map(about).collect()
+    scene.surfaces.iter().zip(occupied).filter_map(about).collect()
 }
 
 /// Writes the files of a scene, and tells which.

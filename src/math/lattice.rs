@@ -74,12 +74,12 @@ impl Lattice {
         Self { n_voxels, depth, voxel_size, middle: center, centers: centers(&corners), corners }
     }
 
-    /// The lattice of the 32³ cells of an octant, counted in octants of its level; its voxels are
-    /// those of this lattice where the level is five above the voxels. Cells that are larger
-    /// than voxels may overhang the domain.
+    /// The lattice of the cells `depth` levels below an octant, at least 2, counted in octants of its
+    /// level; its voxels are those of this lattice where the level is so many above the voxels.
+    /// Cells that are larger than voxels may overhang the domain.
     #[must_use]
-    pub fn block(&self, level: u32, ijk: [u64; 3]) -> Self {
-        self.octant(level, ijk, BLOCK_DEPTH)
+    pub fn block(&self, level: u32, ijk: [u64; 3], depth: u32) -> Self {
+        self.octant(level, ijk, depth)
     }
 
     /// The same domain with voxels that are `2^levels` times as large; they may overhang it.
@@ -198,9 +198,6 @@ impl Lattice {
     }
 }
 
-/// Levels of a block.
-const BLOCK_DEPTH: u32 = 5;
-
 /// The coordinate of a plane, counted from the first of `n` cells whose edge is twice `half`. On
 /// finer and coarser levels of a lattice the same planes have the same coordinates: all numbers but
 /// the last differ by powers of two.
@@ -229,7 +226,7 @@ mod tests {
         let l = lattice([-1.3, 0.1, 0.0], [1.3, 2.0, 0.7], 300);
         let level = l.depth() - 5;
         for ijk in [[0, 0, 0], [3, 2, 1], [9, 6, 2]] {
-            let block = l.block(level, ijk);
+            let block = l.block(level, ijk, 5);
             for axis in 0..3 {
                 let first = ijk[axis] as u32 * 32;
                 let n = block.n_voxels()[axis];
@@ -243,9 +240,9 @@ mod tests {
         }
         assert_eq!(l.octant_bounds(level, [10, 0, 0]), None);
         // Two levels up, and thirty down.
-        let coarse = l.block(level - 2, [2, 1, 0]);
+        let coarse = l.block(level - 2, [2, 1, 0], 5);
         assert_eq!(coarse.corner(0, 3), l.corner(0, 4 * (64 + 3)));
-        let deep = l.block(level + 30, [(5 << 30) + 1, 7 << 28, 0]);
+        let deep = l.block(level + 30, [(5 << 30) + 1, 7 << 28, 0], 5);
         assert_eq!(deep.corner(1, 0), l.corner(1, 7 * 8));
         assert!(deep.corner(0, 0) > l.corner(0, 160) && deep.corner(0, 0) < l.corner(0, 161));
     }

@@ -10,8 +10,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
-    Layer, Source,
+    ImageSettings, Layer, Shade, Source,
     screen::Screen,
+    sweep::SweptCell,
     tile::{Tile, TileLists},
     trace::{Trace, Traced},
     walk::Cells,
@@ -20,7 +21,10 @@ use crate::{
     expr::Tape,
     math::{Aabb, Lattice, SimdLevel},
     octree::{Detail, DetailLevel, Part, Storage},
-    voxelize::{BLOCK_LEVELS, BlockVoxels, Effort, FindVoxels, Octant, Wish, find_blocks},
+    voxelize::{
+        BLOCK_LEVELS, BRICK_LEVELS, BlockVoxels, Cell, CellBounds, CellGroup, Effort, FindVoxels,
+        Octant, Wish, find_blocks,
+    },
 };
 
 /// Cells may be this large, in pixels, where voxels are smaller or as small as is wanted.
@@ -40,13 +44,30 @@ enum Place {
     /// In the layer's storage: at so many levels above the finest.
     Part(u32, Part),
     /// To be found.
-    Octant(Box<(Octant, OnceLock<Found>)>),
+    Octant(Box<OnDemand>),
+}
+
+/// A block whose voxels and cells are found when the first asks for them.
+struct OnDemand {
+    octant: Octant,
+    voxels: OnceLock<FoundVoxels>,
+    cells: OnceLock<FoundCells>,
 }
 
 /// The voxels of a block that was asked for.
-struct Found {
+struct FoundVoxels {
     voxels: BlockVoxels,
     cells: Cells,
+}
+
+/// The cells of a block that was asked for, which are larger than voxels.
+pub(super) struct FoundCells {
+    cells: Cells,
+    /// By tapes that they share, each from front to back.
+    pub(super) groups: Vec<(Arc<Tape>, Vec<SweptCell>)>,
+    /// Edge of a voxel.
+    pub(super) voxel_size: f64,
+    effort: Effort,
 }
 
 /// Voxels that are drawn together: those of an octant.
@@ -111,22 +132,32 @@ pub(super) struct BlockMaker<'a> {
     pub(super) screen: &'a Screen,
     /// Whether voxels are drawn that are not certified.
     pub(super) candidates: bool,
+    /// Whether rays are followed through cells that are larger than voxels.
+    pub(super) by_cells: bool,
 }
 
-impl BlockMaker<'_> {
+impl<'a> BlockMaker<'a> {
+    pub(super) fn new(layers: &'a [Layer<'a>], screen: &'a Screen, image: &ImageSettings) -> Self {
+        let is_found = |layer: &Layer<'_>| {
+            layer.tape.is_some() && matches!(layer.source, Source::OnDemand { .. })
+        };
+        let candidates = image.candidates;
+        let by_cells = candidates && image.shade == Shade::Refine && layers.iter().all(is_found);
+        Self { layers, screen, candidates, by_cells }
+    }
+
     /// The voxels of a block, found by `finder` if need be.
     pub(super) fn open<'b>(
         &'b self,
         block: &'b Block,
         finder: &mut dyn FindVoxels,
     ) -> BlockView<'b> {
-        if let Place::Octant(octant) = &block.place {
-            let (octant, found) = &**octant;
+        if let Place::Octant(place) = &block.place {
             let lattice = self.layers[block.layer].lattice;
-            found.get_or_init(|| {
-                let voxels = finder.find(octant, lattice);
+            place.voxels.get_or_init(|| {
+                let voxels = finder.find(&place.octant, lattice);
                 let cells = self.cells_in(BlockView::of_voxels(&voxels), lattice);
-                Found { voxels, cells }
+                FoundVoxels { voxels, cells }
             });
         }
         self.view(block)
@@ -138,7 +169,7 @@ impl BlockMaker<'_> {
             (Place::Part(up, part), Source::Stored(detail)) => {
                 BlockView::of_part(detail, *up, *part)
             }
-            (Place::Octant(octant), _) => match octant.1.get() {
+            (Place::Octant(place), _) => match place.voxels.get() {
                 Some(found) => BlockView::of_voxels(&found.voxels),
                 None => unreachable!("it was opened"),
             },
@@ -148,17 +179,83 @@ impl BlockMaker<'_> {
         }
     }
 
-    /// The cells of a block that was opened before.
-    pub(super) fn cells<'b>(&self, block: &'b Block) -> Cow<'b, Cells> {
-        match &block.place {
-            Place::Octant(octant) => match octant.1.get() {
-                Some(found) => Cow::Borrowed(&found.cells),
-                None => unreachable!("it was opened"),
-            },
-            Place::Part(..) => {
-                Cow::Owned(self.cells_in(self.view(block), self.layers[block.layer].lattice))
-            }
+    /// The cells of a block that rays are followed through, found by `finder` if need be.
+    pub(super) fn cells<'b>(
+        &'b self,
+        block: &'b Block,
+        finder: &mut dyn FindVoxels,
+    ) -> Cow<'b, Cells> {
+        let Place::Octant(place) = &block.place else {
+            let cells = self.cells_in(self.view(block), self.layers[block.layer].lattice);
+            return Cow::Owned(cells);
+        };
+        if self.by_cells {
+            return Cow::Borrowed(&self.bounded(block, place, finder).cells);
         }
+        self.open(block, finder);
+        match place.voxels.get() {
+            Some(found) => Cow::Borrowed(&found.cells),
+            None => unreachable!("it was opened"),
+        }
+    }
+
+    /// The cells of a block on demand, with bounds.
+    pub(super) fn swept<'b>(
+        &self,
+        block: &'b Block,
+        finder: &mut dyn FindVoxels,
+    ) -> Option<&'b FoundCells> {
+        match &block.place {
+            Place::Octant(place) => Some(self.bounded(block, place, finder)),
+            Place::Part(..) => None,
+        }
+    }
+
+    fn bounded<'b>(
+        &self,
+        block: &Block,
+        place: &'b OnDemand,
+        finder: &mut dyn FindVoxels,
+    ) -> &'b FoundCells {
+        place.cells.get_or_init(|| {
+            let domain = self.layers[block.layer].lattice;
+            let size = domain.octant_edge(place.octant.level + BLOCK_LEVELS - BRICK_LEVELS);
+            let bounds = domain.bounds();
+            let eye = self.screen.eye;
+            let farthest = bounds.min.abs().max(bounds.max.abs()) + eye.abs();
+            // What any coordinate may be off by where a ray is followed.
+            let rounding = 8.0 * f64::EPSILON * (farthest.max_element() + self.screen.radius);
+            let margin = 1e-6 * size + 4.0 * rounding;
+            let found = finder.find_cells(&place.octant, domain, margin);
+            let lattice = &found.lattice;
+            let origin = DVec3::from_array([0, 1, 2].map(|axis| lattice.corner(axis, 0))) - eye;
+            let side = 1 << (BLOCK_LEVELS - BRICK_LEVELS);
+            let mut cells = Cells::new(origin, size, side, bounds.max - eye);
+            let slack = 1e-9 * size + rounding;
+            let forward = self.screen.forward;
+            let end = cells.end();
+            let mut swept = |cell: &Cell| {
+                cells.insert(cell.ijk);
+                let corner = |end: u32| {
+                    let plane = |axis: usize| lattice.corner(axis, cell.ijk[axis] + end);
+                    DVec3::from_array([0, 1, 2].map(plane)) - eye
+                };
+                let bounds = cell.bounds.map(|bounds| from_eye(bounds, eye, size, rounding));
+                let in_region = cell.in_region;
+                let (lo, hi) = (corner(0) - slack, corner(1).min(end) + slack);
+                SweptCell { lo, hi, bounds, in_region }
+            };
+            let depth = |cell: &SweptCell| forward.dot(cell.lo + cell.hi);
+            let group = |CellGroup { tape, cells }: CellGroup| {
+                let mut group: Vec<SweptCell> = cells.iter().map(&mut swept).collect();
+                group.sort_unstable_by(|a, b| depth(a).total_cmp(&depth(b)));
+                (tape, group)
+            };
+            let mut groups: Vec<_> = found.groups.into_iter().map(group).collect();
+            groups.sort_by(|(_, a), (_, b)| depth(&a[0]).total_cmp(&depth(&b[0])));
+            let voxel_size = size / f64::from(1_u32 << BRICK_LEVELS);
+            FoundCells { cells, groups, voxel_size, effort: found.effort }
+        })
     }
 
     /// The cells of a block's voxels, cut to the domain.
@@ -167,7 +264,8 @@ impl BlockMaker<'_> {
         let first = view.first();
         let corner = [0, 1, 2].map(|axis| view.lattice.corner(axis, first[axis]));
         let origin = DVec3::from_array(corner) - eye;
-        let mut cells = Cells::new(origin, view.lattice.voxel_size(), domain.bounds().max - eye);
+        let (size, side) = (view.lattice.voxel_size(), 1 << BLOCK_LEVELS);
+        let mut cells = Cells::new(origin, size, side, domain.bounds().max - eye);
         if view.storage.voxel_count() > 0 {
             view.storage.visit(view.part, &mut |voxel| {
                 if self.candidates || voxel.certified {
@@ -227,14 +325,16 @@ impl Blocks {
     pub(super) fn count(&self) -> OnDemandCount {
         let mut count = OnDemandCount::default();
         for block in &self.all {
-            let Place::Octant(octant) = &block.place else { continue };
-            let (Octant { level, .. }, Some(Found { voxels, .. })) = (&octant.0, octant.1.get())
-            else {
-                continue;
-            };
-            count.voxels += u64::from(voxels.octree.voxel_count());
-            count.certified += u64::from(voxels.octree.certified_count());
-            count.effort.add_below(*level, &voxels.effort);
+            let Place::Octant(place) = &block.place else { continue };
+            let level = place.octant.level;
+            if let Some(FoundVoxels { voxels, .. }) = place.voxels.get() {
+                count.voxels += u64::from(voxels.octree.voxel_count());
+                count.certified += u64::from(voxels.octree.certified_count());
+                count.effort.add_below(level, &voxels.effort);
+            }
+            if let Some(FoundCells { effort, .. }) = place.cells.get() {
+                count.effort.add_below(level, effort);
+            }
         }
         count
     }
@@ -309,7 +409,8 @@ fn on_demand(
     let octants = find_blocks(tape.clone(), lattice, simd, &wish);
     let make = |octant: Octant| {
         let bounds = lattice.octant_bounds(octant.level, octant.ijk)?;
-        let place = Place::Octant(Box::new((octant, OnceLock::new())));
+        let (voxels, cells) = (OnceLock::new(), OnceLock::new());
+        let place = Place::Octant(Box::new(OnDemand { octant, voxels, cells }));
         block(layer, number, &bounds, screen, place)
     };
     octants.into_par_iter().filter_map(make).collect()
@@ -325,8 +426,8 @@ fn block(
     let slack = 1e-6 * bounds.size().max_element();
     let (extent, nearest) = extent(bounds, screen, layer.near(), slack)?;
     let tape = OnceLock::new();
-    if let Place::Octant(octant) = &place {
-        let _ = tape.set(octant.0.tape.clone());
+    if let Place::Octant(place) = &place {
+        let _ = tape.set(place.octant.tape.clone());
     }
     Some(Block { layer: number, place, tape, extent, nearest })
 }
@@ -337,4 +438,14 @@ fn extent(bounds: &Aabb, screen: &Screen, near: f64, slack: f64) -> Option<(Tile
     let half = 0.5 * (max - min) + DVec3::splat(slack);
     let footprint = screen.footprint(0.5 * (min + max), screen.extent(half), near)?;
     Some((Tile { columns: footprint.columns, rows: footprint.rows }, footprint.nearest))
+}
+
+/// Bounds with their middle from the eye, where each coordinate may be off by `rounding`.
+fn from_eye(bounds: CellBounds, eye: DVec3, size: f64, rounding: f64) -> CellBounds {
+    let CellBounds { middle, value: [lo, hi], slopes } = bounds;
+    let steepest: f64 = slopes.iter().map(|[lo, hi]| lo.abs().max(hi.abs())).sum();
+    // Of the sums of products, each of a few roundings.
+    let of_sums = 64.0 * f64::EPSILON * (lo.abs() + hi.abs() + steepest * size);
+    let margin = of_sums + 4.0 * steepest * rounding;
+    CellBounds { middle: middle - eye, value: [lo - margin, hi + margin], slopes }
 }

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 
 use super::{
     Placement, Projection, View,
-    fit::{Content, Extents, fit_perspective},
+    fit::{Content, Extents, depth_in_front, fit_perspective},
 };
 
 /// Three unit vectors at right angles.
@@ -114,20 +114,30 @@ impl Camera {
                 Self { basis, eye, half_size, is_parallel: false }
             }
             Projection::Orthographic { height } => {
-                let extents = Extents::of(content, &basis);
-                let fitted = 0.5 * (extents.min + extents.max);
-                let eye = match view.placement {
-                    Placement::LookAt { eye, .. } => basis.view_from_world(eye),
-                    Placement::Fit { .. } => fitted.with_z(f64::INFINITY),
+                let (eye, half_height) = match (view.placement, height) {
+                    // Only how near the content comes matters.
+                    (Placement::LookAt { eye, .. }, Some(height)) => {
+                        let eye = basis.view_from_world(eye);
+                        let [far, near] = content.reach([basis.forward, -basis.forward]);
+                        let front = depth_in_front(-near, far);
+                        (eye.with_z(eye.z.min(front)), 0.5 * height)
+                    }
+                    (placement, height) => {
+                        let extents = Extents::of(content, &basis);
+                        let fitted = 0.5 * (extents.min + extents.max);
+                        let eye = match placement {
+                            Placement::LookAt { eye, .. } => basis.view_from_world(eye),
+                            Placement::Fit { .. } => fitted.with_z(f64::INFINITY),
+                        };
+                        let eye = eye.with_z(eye.z.min(extents.depth_in_front()));
+                        let fitting = || {
+                            let room = (extents.max - eye).max(eye - extents.min);
+                            let room = room.truncate() / filled;
+                            room.y.max(room.x / aspect)
+                        };
+                        (eye, height.map_or_else(fitting, |height| 0.5 * height))
+                    }
                 };
-                let eye = eye.with_z(eye.z.min(extents.depth_in_front()));
-                let half_height = height.map_or_else(
-                    || {
-                        let room = (extents.max - eye).max(eye - extents.min).truncate() / filled;
-                        room.y.max(room.x / aspect)
-                    },
-                    |height| 0.5 * height,
-                );
                 let half_size = DVec2::new(aspect * half_height, half_height);
                 Self { basis, eye: basis.world_from_view(eye), half_size, is_parallel: true }
             }

@@ -101,7 +101,13 @@ impl<'a> Colorer<'a> {
             Coloring::Position => direct(&|point| linear((point.at - bounds.min) / bounds.size())),
             Coloring::Normal => direct(&|point| linear(0.5 + 0.5 * point.seen.normal)),
             Coloring::Certificate => {
-                direct(&|point| if point.seen.certified { CERTIFIED } else { CANDIDATE })
+                let open = |point: &&Point| point.seen.certified.is_none();
+                let of_point = |point: &Point| Some((point.seen.block?, point.at));
+                let asked: Vec<_> = points.iter().filter(open).filter_map(of_point).collect();
+                let mut found = painter.certificates(place, &asked, tools).into_iter();
+                let mut is = |point: &Point| point.seen.certified.or_else(|| found.next());
+                let color = |is: Option<bool>| if is == Some(true) { CERTIFIED } else { CANDIDATE };
+                points.iter().map(|point| color(is(point))).collect()
             }
             Coloring::Mapped(quantity, map) => {
                 let values = match quantity {

@@ -60,10 +60,16 @@ impl Extents {
         Self { min, max }
     }
 
-    /// Depth of a plane in front of everything: an eighth of the content's depth before it.
+    /// Depth of a plane in front of everything.
     pub(super) fn depth_in_front(&self) -> f64 {
-        self.min.z - 0.125 * (self.max.z - self.min.z)
+        depth_in_front(self.min.z, self.max.z)
     }
+}
+
+/// Depth of a plane in front of everything between two depths: an eighth of their distance before
+/// the first.
+pub(super) fn depth_in_front(nearest: f64, farthest: f64) -> f64 {
+    nearest - 0.125 * (farthest - nearest)
 }
 
 /// Places a perspective camera as close as it can be, and returns its place in view axes (right,

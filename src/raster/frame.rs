@@ -33,12 +33,20 @@ impl Frame {
     /// A picture without any surface, all of one colour.
     #[must_use]
     pub fn filled(width: u32, height: u32, rgba: [f32; 4]) -> Self {
+        let mut frame = Self::blank(width, height);
+        frame.rgba.fill(rgba);
+        frame.depth.fill(Self::FAR);
+        frame
+    }
+
+    /// Nothing but zeros, which is no picture yet: memory that is never written costs nothing.
+    pub(super) fn blank(width: u32, height: u32) -> Self {
         let n = width as usize * height as usize;
         Self {
             width,
             height,
-            rgba: vec![rgba; n],
-            depth: vec![Self::FAR; n],
+            rgba: vec![[0.0; 4]; n],
+            depth: vec![0.0; n],
             normal: vec![[0.0; 3]; n],
             position: vec![[0.0; 3]; n],
             surface: vec![0.0; n],

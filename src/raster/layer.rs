@@ -8,6 +8,7 @@ use crate::{
     expr::Tape,
     math::Lattice,
     octree::{Detail, Storage},
+    voxelize::Outline,
 };
 
 /// Where the voxels of a surface come from.
@@ -55,8 +56,10 @@ impl Layer<'_> {
 /// All that a picture shows.
 #[derive(Clone)]
 pub struct Drawn<'a> {
-    /// The voxels of the surfaces.
+    /// Voxels of surfaces.
     pub voxels: Vec<(&'a dyn Storage, &'a Lattice)>,
+    /// Outlines of surfaces.
+    pub outlines: &'a [Outline],
     /// The polygon models.
     pub models: &'a [Model],
 }
@@ -66,7 +69,10 @@ impl Content for Drawn<'_> {
         let of_models = self.models.iter().map(|model| model.reach(directions));
         let of_voxels =
             self.voxels.iter().map(|(storage, lattice)| reach(*storage, lattice, directions));
-        fold_reach(of_models.chain(of_voxels))
+        let of_outlines = self.outlines.iter().map(|outline| {
+            beyond_centers(outline.reach(directions), outline.lattice(), directions)
+        });
+        fold_reach(of_models.chain(of_voxels).chain(of_outlines))
     }
 }
 
@@ -88,7 +94,15 @@ fn reach<const N: usize>(
             reach
         })
         .collect();
+    beyond_centers(fold_reach(of_centers), lattice, directions)
+}
+
+/// How far cubes reach, from how far their centres do.
+fn beyond_centers<const N: usize>(
+    of_centers: [f64; N],
+    lattice: &Lattice,
+    directions: [DVec3; N],
+) -> [f64; N] {
     let half = 0.5 * lattice.voxel_size();
-    let of_centers = fold_reach(of_centers);
     std::array::from_fn(|k| of_centers[k] + half * directions[k].abs().element_sum())
 }

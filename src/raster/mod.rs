@@ -32,11 +32,14 @@ mod occlusion;
 mod paint;
 mod path;
 mod resolve;
+mod roots;
 mod screen;
 mod settings;
 mod shade;
 mod shadow;
+mod sight;
 mod splat;
+mod sweep;
 #[cfg(test)]
 mod tests;
 mod tile;

@@ -12,14 +12,19 @@ use super::{
     light::Reach,
     resolve::{Shown, shown},
     screen::{Ray, Screen},
+    sight::Sight,
     splat::Splatter,
+    sweep::{Sighting, Swept},
     tile::Tile,
-    trace::{Meeting, Quest, Trace, Traced},
+    trace::{Meeting, Quest, Trace, Traced, tracer},
     triangles::Triangles,
     walk::{Cells, Span},
     zbuffer::{Hit, ZBuffer},
 };
-use crate::voxelize::FindVoxels;
+use crate::{
+    math::SimdLevel,
+    voxelize::{FindVoxels, finder},
+};
 
 /// What a sample shows.
 #[derive(Clone, Copy, Debug)]
@@ -29,8 +34,8 @@ pub(super) struct Seen {
     pub(super) depth: f64,
     /// Outward, of length 1.
     pub(super) normal: DVec3,
-    /// Whether the surface provably passes through the voxel.
-    pub(super) certified: bool,
+    /// Whether the surface provably passes through the voxel, if that was asked.
+    pub(super) certified: Option<bool>,
     /// Edge of the voxel.
     pub(super) voxel_size: f64,
     /// How much the normals in it agree, in [0, 1].
@@ -50,6 +55,16 @@ pub(super) const UNTINTED: [f32; 3] = [1.0; 3];
 pub(super) struct Tools {
     pub(super) tracer: Box<dyn Trace>,
     pub(super) finder: Box<dyn FindVoxels>,
+    /// What the last tile showed: memory for the next one.
+    pub(super) seen: Vec<Option<Seen>>,
+    sight: Sight,
+}
+
+impl Tools {
+    pub(super) fn new(simd: SimdLevel) -> Self {
+        let (tracer, finder) = (tracer(simd), finder(simd));
+        Self { tracer, finder, seen: Vec::new(), sight: Sight::default() }
+    }
 }
 
 /// Everything that painting a tile needs to know.
@@ -106,6 +121,7 @@ impl Painter<'_> {
                 let hits = (0..tile.n_samples()).map(|sample| zbuffer.met.get(sample));
                 hits.map(|hit| hit.map(|hit| self.seen(blocks, &first_ranks, hit))).collect()
             }
+            Shade::Refine if self.maker.by_cells => self.sweep(blocks, tile, tools),
             Shade::Refine if has_formulas => {
                 let mut seen = vec![None; tile.n_samples()];
                 let wanted = vec![f64::INFINITY; tile.n_samples()];
@@ -162,7 +178,7 @@ impl Painter<'_> {
             layer: block.layer,
             depth: f64::from(depth),
             normal: view.storage.normal(rank).decode(),
-            certified: view.storage.is_certified(rank),
+            certified: Some(view.storage.is_certified(rank)),
             voxel_size: view.lattice.voxel_size(),
             coherence: view.coherence(rank),
             block: Some(number as u32),
@@ -214,6 +230,71 @@ impl Painter<'_> {
         seen
     }
 
+    /// What the samples show, by the cells of all blocks from front to back.
+    fn sweep(&self, blocks: &[&Block], tile: &Tile, tools: &mut Tools) -> Vec<Option<Seen>> {
+        let Tools { tracer, finder, seen, sight } = tools;
+        let screen = self.screen();
+        let mut seen = std::mem::take(seen);
+        seen.clear();
+        seen.resize(tile.n_samples(), None);
+        sight.enter(screen, tile);
+        let mut sightings: Vec<Sighting> = Vec::new();
+        for (number, block) in (0..).zip(blocks) {
+            let Some(part) = block.extent.intersection(tile) else { continue };
+            if !sight.sees(&part, block.nearest) {
+                continue;
+            }
+            let layer = &self.layers()[block.layer];
+            let Some(found) = self.maker.swept(block, &mut **finder) else { continue };
+            for (tape, cells) in &found.groups {
+                sightings.clear();
+                let swept = Swept { tape, cells, screen, near: layer.near() };
+                tracer.sweep(&swept, sight, &mut sightings);
+                sightings.retain(|sighting| sighting.depth == sight.met(sighting.place));
+                let point = |s: &Sighting| screen.eye + sight.ray(s.place).at(s.depth);
+                let points: Vec<DVec3> = sightings.iter().map(point).collect();
+                let gradients = tracer.gradients(tape, &points);
+                for ((sighting, gradient), &point) in sightings.iter().zip(gradients).zip(&points) {
+                    let normal = unit(gradient).or_else(|| {
+                        // Where F has no gradient the voxel's normal stands in.
+                        let view = self.maker.open(block, &mut **finder);
+                        let rank = view.storage.find(view.lattice.voxel_at(point))?;
+                        Some(view.storage.normal(rank).decode())
+                    });
+                    seen[sight.sample(sighting.place)] = Some(Seen {
+                        layer: block.layer,
+                        depth: sighting.depth,
+                        normal: normal.unwrap_or(DVec3::Z),
+                        certified: None,
+                        voxel_size: found.voxel_size,
+                        coherence: 1.0,
+                        block: Some(number),
+                        tint: UNTINTED,
+                        reach: Reach::ALL,
+                    });
+                }
+            }
+        }
+        seen
+    }
+
+    /// Whether the surface provably passes through the voxels of points that a tile shows, each with
+    /// the number of its block.
+    pub(super) fn certificates(
+        &self,
+        place: (usize, usize),
+        points: &[(u32, DVec3)],
+        tools: &mut Tools,
+    ) -> Vec<bool> {
+        let blocks: Vec<&Block> = self.blocks.of_tile(place).collect();
+        let of_point = |&(block, point): &(u32, DVec3)| {
+            let view = self.maker.open(blocks[block as usize], &mut *tools.finder);
+            let rank = view.storage.find(view.lattice.voxel_at(point));
+            rank.is_some_and(|rank| view.storage.is_certified(rank))
+        };
+        points.iter().map(of_point).collect()
+    }
+
     /// The mean curvature at points that a tile shows, each with the number of its block and the
     /// edge of its voxel; 0 where there is none.
     pub(super) fn curvatures(
@@ -222,7 +303,7 @@ impl Painter<'_> {
         points: &[(u32, DVec3, f64)],
         tools: &mut Tools,
     ) -> Vec<f64> {
-        let Tools { tracer, finder } = tools;
+        let Tools { tracer, finder, .. } = tools;
         let blocks: Vec<&Block> = self.blocks.of_tile(place).collect();
         let mut order: Vec<usize> = (0..points.len()).collect();
         order.sort_by_key(|&i| points[i].0);
@@ -232,8 +313,7 @@ impl Painter<'_> {
             let Some(tape) = self.layers()[block.layer].tape else { continue };
             let of_points: Vec<(DVec3, f64)> =
                 of_block.iter().map(|&i| (points[i].1, points[i].2)).collect();
-            self.maker.open(block, &mut **finder);
-            let cells = &self.maker.cells(block);
+            let cells = &*self.maker.cells(block, &mut **finder);
             let own = block.tape(&Traced { tape, cells, eye: self.screen().eye }, &mut **tracer);
             let found = tracer.curvatures(own.as_deref().unwrap_or(tape), &of_points);
             for (&i, curvature) in of_block.iter().zip(found) {
@@ -274,7 +354,7 @@ impl Painter<'_> {
         seen: &mut [Option<Seen>],
         of_voxels: bool,
     ) {
-        let Tools { tracer, finder } = tools;
+        let Tools { tracer, finder, .. } = tools;
         let (mut quests, mut meetings): (Vec<Quest>, Vec<Meeting>) = (Vec::new(), Vec::new());
         for (number, block) in (0..).zip(blocks) {
             let Some(part) = block.extent.intersection(tile) else { continue };
@@ -288,7 +368,7 @@ impl Painter<'_> {
                 continue;
             }
             let view = self.maker.open(block, &mut **finder);
-            let cells = &*self.maker.cells(block);
+            let cells = &*self.maker.cells(block, &mut **finder);
             let depths = self.depths(cells, layer.near(), &part);
             quests.clear();
             for row in part.rows.clone() {
@@ -308,7 +388,12 @@ impl Painter<'_> {
             let own = block.tape(&whole, &mut **tracer);
             let traced = Traced { tape: own.as_deref().unwrap_or(tape), ..whole };
             tracer.trace(&traced, &quests, &mut meetings);
-            let gradients = tracer.gradients(&traced, &quests, &meetings);
+            let point = |meeting: &Meeting| {
+                let (column, row) = tile.place(meeting.sample as usize);
+                eye + self.screen().ray(column, row).at(meeting.depth)
+            };
+            let points: Vec<DVec3> = meetings.iter().map(point).collect();
+            let gradients = tracer.gradients(traced.tape, &points);
             for (meeting, gradient) in meetings.iter().zip(gradients) {
                 let sample = meeting.sample as usize;
                 if meeting.depth < farthest[sample] {
@@ -363,7 +448,7 @@ impl Painter<'_> {
             layer: block.layer,
             depth,
             normal: normal.or_else(|| unit(gradient)).unwrap_or(DVec3::Z),
-            certified: rank.is_some_and(|rank| storage.is_certified(rank)),
+            certified: Some(rank.is_some_and(|rank| storage.is_certified(rank))),
             voxel_size: lattice.voxel_size(),
             coherence: 1.0,
             block: Some(number),

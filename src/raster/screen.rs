@@ -175,6 +175,12 @@ impl Screen {
         }
     }
 
+    /// The parts of varying vectors that the columns and the rows of a tile add; see
+    /// [`Screen::ray`].
+    pub(super) fn vectors(&self, tile: &Tile) -> (&[DVec3], &[DVec3]) {
+        (&self.columns[tile.columns.clone()], &self.rows[tile.rows.clone()])
+    }
+
     /// The column and the row that a point appears in, and its depth; `None` if it is out of the
     /// picture or behind the eye.
     #[inline]

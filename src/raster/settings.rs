@@ -75,6 +75,8 @@ pub struct ImageSettings {
     pub samples: u32,
     /// Whether voxels are drawn that are not certified.
     pub candidates: bool,
+    /// Whether it is found of every voxel that shows whether it is certified.
+    pub certificate: bool,
     /// Whether curvatures are found.
     pub curvature: bool,
 }

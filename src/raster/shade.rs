@@ -16,44 +16,73 @@ use super::{
     screen::Screen,
     shadow::Shadows,
     tile::Tile,
-    trace::tracer,
     triangles::Triangles,
 };
-use crate::{Error, Result, math::SimdLevel, progress::Progress, voxelize::finder};
+use crate::{Error, Result, math::SimdLevel, progress::Progress};
 
-/// One pixel of a [`Frame`].
-#[derive(Clone, Copy)]
-struct Pixel {
-    rgba: [f32; 4],
-    depth: f32,
-    normal: [f32; 3],
-    position: [f32; 3],
-    surface: f32,
-    curvature: f32,
-    certificate: f32,
+/// A tile's part of the planes of a [`Frame`], row by row.
+struct Planes<'a> {
+    rgba: Vec<&'a mut [[f32; 4]]>,
+    depth: Vec<&'a mut [f32]>,
+    normal: Vec<&'a mut [[f32; 3]]>,
+    position: Vec<&'a mut [[f32; 3]]>,
+    surface: Vec<&'a mut [f32]>,
+    curvature: Vec<&'a mut [f32]>,
+    certificate: Vec<&'a mut [f32]>,
 }
 
-impl Pixel {
-    /// No surface and no light.
-    const EMPTY: Self = Self {
-        rgba: [0.0; 4],
-        depth: Frame::FAR,
-        normal: [0.0; 3],
-        position: [0.0; 3],
-        surface: 0.0,
-        curvature: 0.0,
-        certificate: 0.0,
-    };
+impl<'a> Planes<'a> {
+    /// Cuts a frame into tiles with `edge` pixels along an edge, row by row.
+    fn cut(frame: &'a mut Frame, edge: usize) -> Vec<Self> {
+        let width = frame.width as usize;
+        let mut rgba = cut(&mut frame.rgba, width, edge);
+        let mut depth = cut(&mut frame.depth, width, edge);
+        let mut normal = cut(&mut frame.normal, width, edge);
+        let mut position = cut(&mut frame.position, width, edge);
+        let mut surface = cut(&mut frame.surface, width, edge);
+        let mut curvature = cut(&mut frame.curvature, width, edge);
+        let mut certificate = cut(&mut frame.certificate, width, edge);
+        let n_tiles = rgba.len();
+        let take = |number: usize| Self {
+            rgba: std::mem::take(&mut rgba[number]),
+            depth: std::mem::take(&mut depth[number]),
+            normal: std::mem::take(&mut normal[number]),
+            position: std::mem::take(&mut position[number]),
+            surface: std::mem::take(&mut surface[number]),
+            curvature: std::mem::take(&mut curvature[number]),
+            certificate: std::mem::take(&mut certificate[number]),
+        };
+        (0..n_tiles).map(take).collect()
+    }
+}
+
+/// The rows of each tile of a plane.
+fn cut<T>(plane: &mut [T], width: usize, edge: usize) -> Vec<Vec<&mut [T]>> {
+    let mut tiles = Vec::new();
+    for rows in plane.chunks_mut(width * edge) {
+        let first = tiles.len();
+        tiles.resize_with(first + width.div_ceil(edge), Vec::new);
+        for row in rows.chunks_mut(width) {
+            for (tile, part) in tiles[first..].iter_mut().zip(row.chunks_mut(edge)) {
+                tile.push(part);
+            }
+        }
+    }
+    tiles
 }
 
 /// The nearest point that a pixel shows.
 #[derive(Clone, Copy)]
 struct Shown {
+    /// Row and column of the pixel in its tile.
+    pixel: [usize; 2],
     /// The number of its block in the tile; `None` on models.
     block: Option<u32>,
     /// In scene coordinates.
     point: DVec3,
     voxel_size: f64,
+    /// Whether it is not known whether its voxel is certified.
+    is_open: bool,
 }
 
 /// Paints and lights all pixels.
@@ -66,11 +95,11 @@ pub(super) fn shade(
     progress: &dyn Progress,
 ) -> Result<(Frame, OnDemandCount)> {
     let empty = image.background.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0]);
-    let mut frame = Frame::filled(image.width, image.height, empty);
+    let mut frame = Frame::blank(image.width, image.height);
     if frame.rgba.is_empty() {
         return Ok((frame, OnDemandCount::default()));
     }
-    let tools = || Tools { tracer: tracer(simd), finder: finder(simd) };
+    let tools = || Tools::new(simd);
     let occlusion = if image.occlusion > 0.0 {
         let screen = Screen::new(camera, image.width, image.height, 1);
         let drawn = OnScreen::new(layers, models, &screen, image, simd)?;
@@ -89,53 +118,26 @@ pub(super) fn shade(
     let shader = Shader { materials, colorer, screen, shadows, occlusion, lights, image, empty };
     let (n_columns, n_rows) = screen.n_tiles();
     progress.begin("rasterize", (n_columns * n_rows) as u64, "tiles");
-    let width = image.width as usize;
-    let rows = screen.tile_edge / screen.samples;
-    let n = width * rows;
-    let Frame { rgba, depth, normal, position, surface, curvature, certificate, .. } = &mut frame;
-    rgba.par_chunks_mut(n)
-        .zip(depth.par_chunks_mut(n))
-        .zip(normal.par_chunks_mut(n))
-        .zip(position.par_chunks_mut(n))
-        .zip(surface.par_chunks_mut(n))
-        .zip(curvature.par_chunks_mut(n))
-        .zip(certificate.par_chunks_mut(n))
-        .enumerate()
-        .try_for_each(|(row, planes)| {
-            let ((((((rgba, depth), normal), position), surface), curvature), certificate) = planes;
-            let tiles: Result<Vec<Vec<Pixel>>> = (0..n_columns)
-                .into_par_iter()
-                .map_init(tools, |tools, column| {
-                    if progress.is_cancelled() {
-                        return Err(Error::Interrupted);
-                    }
-                    let tile = screen.tile(column, row);
-                    let mut seen = painter.paint((column, row), &tile, tools);
-                    shader.light(&painter, (column, row), &tile, &mut seen, tools);
-                    progress.advance(1);
-                    let mut pixels = shader.pixels(&tile, &seen);
-                    if image.curvature {
-                        add_curvatures(&painter, (column, row), &mut pixels, tools);
-                    }
-                    Ok(pixels.into_iter().map(|(pixel, _)| pixel).collect())
-                })
-                .collect();
-            for (column, pixels) in tiles?.into_iter().enumerate() {
-                let first = column * rows;
-                let columns = rows.min(width - first);
-                for (i, pixel) in pixels.into_iter().enumerate() {
-                    let at = i / columns * width + first + i % columns;
-                    rgba[at] = pixel.rgba;
-                    depth[at] = pixel.depth;
-                    normal[at] = pixel.normal;
-                    position[at] = pixel.position;
-                    surface[at] = pixel.surface;
-                    curvature[at] = pixel.curvature;
-                    certificate[at] = pixel.certificate;
-                }
-            }
-            Ok(())
-        })?;
+    let tiles = Planes::cut(&mut frame, screen.tile_edge / screen.samples);
+    tiles.into_par_iter().enumerate().try_for_each_init(tools, |tools, (number, mut planes)| {
+        if progress.is_cancelled() {
+            return Err(Error::Interrupted);
+        }
+        let place = (number % n_columns, number / n_columns);
+        let tile = screen.tile(place.0, place.1);
+        let mut seen = painter.paint(place, &tile, tools);
+        shader.light(&painter, place, &tile, &mut seen, tools);
+        let shown = shader.write(&tile, &seen, &mut planes);
+        tools.seen = seen;
+        if image.certificate {
+            add_certificates(&painter, place, &shown, &mut planes, tools);
+        }
+        if image.curvature {
+            add_curvatures(&painter, place, &shown, &mut planes, tools);
+        }
+        progress.advance(1);
+        Ok(())
+    })?;
     progress.end();
     let count = drawn.blocks.count();
     Ok((frame, count))
@@ -167,7 +169,7 @@ impl<'a> OnScreen<'a> {
         }
         let near = layers.iter().map(Layer::near).fold(f64::INFINITY, f64::min);
         let triangles = Triangles::new(models, screen, near);
-        let maker = BlockMaker { layers, screen, candidates: image.candidates };
+        let maker = BlockMaker::new(layers, screen, image);
         Ok(Self { maker, blocks, triangles, shade: image.shade })
     }
 
@@ -213,57 +215,66 @@ impl Shader<'_> {
         }
     }
 
-    /// The pixels of a tile, row by row, each with the nearest point that it shows.
-    fn pixels(&self, tile: &Tile, seen: &[Option<Seen>]) -> Vec<(Pixel, Option<Shown>)> {
-        let samples = self.screen.samples;
-        let n_rows = tile.rows.len() / samples;
-        let n_columns = tile.columns.len() / samples;
-        let mut pixels = Vec::with_capacity(n_rows * n_columns);
-        for row in 0..n_rows {
-            for column in 0..n_columns {
-                let rows = (row * samples..(row + 1) * samples).map(|row| row * tile.columns.len());
-                let of_row = |row: usize| (0..samples).map(move |i| row + column * samples + i);
-                pixels.push(self.pixel(tile, seen, rows.flat_map(of_row)));
+    /// Writes the pixels of a tile, and returns the nearest point that each shows.
+    fn write(&self, tile: &Tile, seen: &[Option<Seen>], planes: &mut Planes<'_>) -> Vec<Shown> {
+        let mut all = Vec::new();
+        let wants_more = self.image.certificate || self.image.curvature;
+        for row in 0..planes.rgba.len() {
+            for column in 0..planes.rgba[row].len() {
+                let (rgba, nearest) = self.mean(tile, seen, [row, column]);
+                planes.rgba[row][column] = rgba;
+                let Some((sample, seen)) = nearest else {
+                    planes.depth[row][column] = Frame::FAR;
+                    continue;
+                };
+                let point = self.point(tile, sample, &seen);
+                planes.depth[row][column] = seen.depth as f32;
+                planes.normal[row][column] = seen.normal.as_vec3().to_array();
+                planes.position[row][column] = point.as_vec3().to_array();
+                planes.surface[row][column] = (seen.layer + 1) as f32;
+                if seen.certified == Some(true) {
+                    planes.certificate[row][column] = 1.0;
+                }
+                if wants_more {
+                    let Seen { block, voxel_size, certified, .. } = seen;
+                    let (pixel, is_open) = ([row, column], certified.is_none());
+                    all.push(Shown { pixel, block, point, voxel_size, is_open });
+                }
             }
         }
-        pixels
+        all
     }
 
-    /// The mean of some samples, and the nearest of them.
-    fn pixel(
+    /// The mean of a pixel's samples, and the nearest of them.
+    fn mean(
         &self,
         tile: &Tile,
         seen: &[Option<Seen>],
-        samples: impl Iterator<Item = usize>,
-    ) -> (Pixel, Option<Shown>) {
+        [row, column]: [usize; 2],
+    ) -> ([f32; 4], Option<(usize, Seen)>) {
+        let samples = self.screen.samples;
         let mut sum = [0.0_f64; 4];
         let mut nearest: Option<(usize, Seen)> = None;
-        for sample in samples {
-            let rgba = seen[sample].map_or(self.empty, |seen| self.lit(tile, sample, &seen));
+        for i in 0..samples * samples {
+            let row = row * samples + i / samples;
+            let sample = row * tile.columns.len() + column * samples + i % samples;
+            let seen = seen[sample].as_ref();
+            let rgba = seen.map_or(self.empty, |seen| self.lit(tile, sample, seen));
             (0..4).for_each(|c| sum[c] += f64::from(rgba[c]));
-            if let Some(seen) = seen[sample]
+            if let Some(seen) = seen
                 && nearest.is_none_or(|(_, other)| seen.depth < other.depth)
             {
-                nearest = Some((sample, seen));
+                nearest = Some((sample, *seen));
             }
         }
-        let n = (self.screen.samples * self.screen.samples) as f64;
-        let rgba = sum.map(|channel| (channel / n) as f32);
-        let Some((sample, seen)) = nearest else {
-            return (Pixel { rgba, ..Pixel::EMPTY }, None);
-        };
+        let n = (samples * samples) as f64;
+        (sum.map(|channel| (channel / n) as f32), nearest)
+    }
+
+    /// The point that a sample shows.
+    fn point(&self, tile: &Tile, sample: usize, seen: &Seen) -> DVec3 {
         let (column, row) = tile.place(sample);
-        let point = self.screen.eye + self.screen.ray(column, row).at(seen.depth);
-        let pixel = Pixel {
-            rgba,
-            depth: seen.depth as f32,
-            normal: seen.normal.as_vec3().to_array(),
-            position: point.as_vec3().to_array(),
-            surface: (seen.layer + 1) as f32,
-            curvature: 0.0,
-            certificate: f32::from(u8::from(seen.certified)),
-        };
-        (pixel, Some(Shown { block: seen.block, point, voxel_size: seen.voxel_size }))
+        self.screen.eye + self.screen.ray(column, row).at(seen.depth)
     }
 
     fn lit(&self, tile: &Tile, sample: usize, seen: &Seen) -> [f32; 4] {
@@ -279,19 +290,35 @@ impl Shader<'_> {
     }
 }
 
+/// Adds whether the voxels that pixels show are certified, where that is not known yet.
+fn add_certificates(
+    painter: &Painter<'_>,
+    place: (usize, usize),
+    shown: &[Shown],
+    planes: &mut Planes<'_>,
+    tools: &mut Tools,
+) {
+    let open = || shown.iter().filter(|shown| shown.is_open && shown.block.is_some());
+    let points: Vec<_> = open().filter_map(|shown| Some((shown.block?, shown.point))).collect();
+    let certificates = painter.certificates(place, &points, tools);
+    for (&Shown { pixel: [row, column], .. }, is_certified) in open().zip(certificates) {
+        planes.certificate[row][column] = f32::from(u8::from(is_certified));
+    }
+}
+
 /// Adds the curvatures at the points that pixels show.
 fn add_curvatures(
     painter: &Painter<'_>,
     place: (usize, usize),
-    pixels: &mut [(Pixel, Option<Shown>)],
+    shown: &[Shown],
+    planes: &mut Planes<'_>,
     tools: &mut Tools,
 ) {
-    let points = pixels.iter().enumerate().filter_map(|(i, (_, shown))| {
-        let Shown { block, point, voxel_size } = (*shown)?;
-        Some((i, (block?, point, voxel_size)))
-    });
-    let (places, points): (Vec<usize>, Vec<(u32, DVec3, f64)>) = points.unzip();
-    for (i, curvature) in places.into_iter().zip(painter.curvatures(place, &points, tools)) {
-        pixels[i].0.curvature = curvature as f32;
+    let of_point = |shown: &Shown| Some((shown.block?, shown.point, shown.voxel_size));
+    let points: Vec<_> = shown.iter().filter_map(of_point).collect();
+    let curvatures = painter.curvatures(place, &points, tools);
+    let of_blocks = shown.iter().filter(|shown| shown.block.is_some());
+    for (&Shown { pixel: [row, column], .. }, curvature) in of_blocks.zip(curvatures) {
+        planes.curvature[row][column] = curvature as f32;
     }
 }

@@ -164,9 +164,9 @@ impl<'a> Shadows<'a> {
         shafts: &mut [Shaft],
         tools: &mut Tools,
     ) {
-        let Tools { tracer, finder } = tools;
+        let Tools { tracer, finder, .. } = tools;
         let screen = &view.screen;
-        let maker = BlockMaker { layers: self.layers, screen, candidates: self.image.candidates };
+        let maker = BlockMaker::new(self.layers, screen, self.image);
         let (mut quests, mut meetings): (Vec<Quest>, Vec<Meeting>) = (Vec::new(), Vec::new());
         for block in view.blocks.of_tile(place) {
             let Some(tape) = self.layers[block.layer].tape else { continue };
@@ -188,8 +188,8 @@ impl<'a> Shadows<'a> {
                 continue;
             }
             meetings.clear();
-            maker.open(block, &mut **finder);
-            let whole = Traced { tape, cells: &maker.cells(block), eye: screen.eye };
+            let cells = &*maker.cells(block, &mut **finder);
+            let whole = Traced { tape, cells, eye: screen.eye };
             let own = block.tape(&whole, &mut **tracer);
             let traced = Traced { tape: own.as_deref().unwrap_or(tape), ..whole };
             tracer.trace(&traced, &quests, &mut meetings);

@@ -25,6 +25,7 @@ fn image(width: u32, height: u32) -> ImageSettings {
         shade: Shade::Voxel,
         samples: 1,
         candidates: true,
+        certificate: true,
         curvature: false,
     }
 }

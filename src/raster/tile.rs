@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::screen::Screen;
 
 /// A rectangle of samples.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Tile {
     pub(super) columns: Range<usize>,
     pub(super) rows: Range<usize>,

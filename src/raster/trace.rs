@@ -16,7 +16,10 @@ use fearless_simd::{Simd, f64x8};
 use glam::DVec3;
 
 use super::{
+    roots::Bracket,
     screen::Ray,
+    sight::Sight,
+    sweep::{Sighting, Swept},
     walk::{Cells, Span, Walk},
 };
 use crate::{
@@ -53,13 +56,12 @@ pub(super) trait Trace: Send {
     /// Finds the first meeting of each quest with the surface of `tape` in `cells`.
     fn trace(&mut self, scene: &Traced<'_>, quests: &[Quest], meetings: &mut Vec<Meeting>);
 
-    /// The gradients where rays meet the surface, which may be zero or not finite.
-    fn gradients(
-        &mut self,
-        scene: &Traced<'_>,
-        quests: &[Quest],
-        meetings: &[Meeting],
-    ) -> Vec<DVec3>;
+    /// Finds the meetings of the rays of a tile with the surface in the cells of a block, if nothing
+    /// nearer is known; the last one of each ray is the nearest.
+    fn sweep(&mut self, swept: &Swept<'_>, sight: &mut Sight, sightings: &mut Vec<Sighting>);
+
+    /// The gradients of `tape` at some points, which may be zero or not finite.
+    fn gradients(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<DVec3>;
 
     /// The values of `tape` at some points; NaN where it is undefined.
     fn values(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<f64>;
@@ -93,27 +95,23 @@ pub(super) fn tracer(simd: SimdLevel) -> Box<dyn Trace> {
     simd.run(New)
 }
 
-/// How often a part of a ray is halved.
-const MAX_HALVINGS: u32 = 10;
+/// How often a part of a ray is halved: a cell may be as large as four voxels.
+const MAX_HALVINGS: u32 = 12;
 
-/// Roots are found to this part of the length of their bracket.
-const PRECISION: f64 = 1e-9;
-
-/// Steps that are enough for any bracket, by bisection alone.
-const MAX_STEPS: usize = 60;
-
-struct Tracer<S: Simd> {
+pub(super) struct Tracer<S: Simd> {
+    pub(super) simd: S,
     values: BoxEvaluator<f64x8<S>, { BATCH / 8 }>,
     slopes: SlopeEvaluator<f64x8<S>, { BATCH / 8 }>,
-    points: PointEvaluator<S>,
+    pub(super) points: PointEvaluator<S>,
     gradients: GradientEvaluator<S>,
     boxes: Boxes<f64>,
 }
 
 /// A quest on its way.
-struct Lane<'a> {
-    quest: &'a Quest,
-    walk: Walk,
+pub(super) struct Lane<'a> {
+    quest: Quest,
+    /// Through which cells it goes on.
+    walk: Option<(Walk, &'a Cells)>,
     parts: Parts,
 }
 
@@ -145,18 +143,8 @@ impl Parts {
     }
 }
 
-/// A root between two depths, with F there.
-#[derive(Clone, Copy)]
-struct Bracket {
-    lane: usize,
-    ray: Ray,
-    span: Span,
-    values: [f64; 2],
-    is_in_region: bool,
-}
-
 /// What became of a part.
-enum Outcome {
+pub(super) enum Outcome {
     /// No surface.
     Miss,
     /// Exactly one root, by the values at the ends.
@@ -168,6 +156,7 @@ enum Outcome {
 impl<S: Simd> Tracer<S> {
     fn new(simd: S) -> Self {
         Self {
+            simd,
             values: BoxEvaluator::new(simd),
             slopes: SlopeEvaluator::new(simd),
             points: PointEvaluator::new(simd),
@@ -179,28 +168,10 @@ impl<S: Simd> Tracer<S> {
 
 impl<S: Simd> Trace for Tracer<S> {
     fn trace(&mut self, scene: &Traced<'_>, quests: &[Quest], meetings: &mut Vec<Meeting>) {
+        let Traced { tape, cells, eye } = *scene;
         let mut rest = quests.iter();
-        let mut lanes: Vec<Lane<'_>> = Vec::with_capacity(BATCH);
-        loop {
-            let mut i = 0;
-            while i < lanes.len() {
-                if lanes[i].advance(scene) || lanes[i].take_next(&mut rest, scene) {
-                    i += 1;
-                } else {
-                    lanes.swap_remove(i);
-                }
-            }
-            while lanes.len() < BATCH {
-                let Some(quest) = rest.next() else { break };
-                lanes.extend(Lane::begin(quest, scene));
-            }
-            if lanes.is_empty() {
-                break;
-            }
-            let mut brackets = Vec::with_capacity(lanes.len());
-            self.test(scene, &mut lanes, &mut brackets, meetings);
-            self.find_roots(scene, &mut lanes, &mut brackets, meetings);
-        }
+        let mut next = || rest.find_map(|quest| Lane::of_quest(quest, cells));
+        self.follow(tape, eye, &mut next, meetings);
     }
 
     fn shortened(&mut self, scene: &Traced<'_>) -> Tape {
@@ -213,16 +184,12 @@ impl<S: Simd> Trace for Tracer<S> {
         scene.tape.shortened(self.values.choices(0))
     }
 
-    fn gradients(
-        &mut self,
-        scene: &Traced<'_>,
-        quests: &[Quest],
-        meetings: &[Meeting],
-    ) -> Vec<DVec3> {
-        // Quests come in the order of their samples.
-        let ray_of = |sample: u32| quests[quests.partition_point(|q| q.sample < sample)].ray;
-        let place = |meeting: &Meeting| scene.eye + ray_of(meeting.sample).at(meeting.depth);
-        self.gradients_at(scene.tape, &meetings.iter().map(place).collect::<Vec<DVec3>>())
+    fn sweep(&mut self, swept: &Swept<'_>, sight: &mut Sight, sightings: &mut Vec<Sighting>) {
+        self.sweep_cells(swept, sight, sightings);
+    }
+
+    fn gradients(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<DVec3> {
+        self.gradients_at(tape, points)
     }
 
     fn values(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<f64> {
@@ -267,63 +234,94 @@ fn mean_curvature([x1, x0, y1, y0, z1, z0]: &[DVec3; 6], step: f64) -> f64 {
 
 impl<'a> Lane<'a> {
     /// The quest at its first cell, if there is one.
-    fn begin(quest: &'a Quest, scene: &Traced<'_>) -> Option<Self> {
-        let walk = Walk::new(scene.cells, &quest.ray, quest.from)?;
-        let mut lane = Self { quest, walk, parts: Parts::default() };
-        lane.advance(scene).then_some(lane)
+    fn of_quest(quest: &Quest, cells: &'a Cells) -> Option<Self> {
+        let walk = Walk::new(cells, &quest.ray, quest.from)?;
+        let mut lane = Self { quest: *quest, walk: Some((walk, cells)), parts: Parts::default() };
+        lane.advance().then_some(lane)
+    }
+
+    /// A quest that ends with a part of its ray.
+    pub(super) fn of_part(quest: Quest, span: Span) -> Self {
+        let mut lane = Self { quest, walk: None, parts: Parts::default() };
+        lane.parts.push(span, 0);
+        lane
     }
 
     /// Goes on to the next part, unless one is left; false if there is none.
-    fn advance(&mut self, scene: &Traced<'_>) -> bool {
-        if self.parts.is_empty() && self.walk.depth() <= self.quest.farthest {
-            let span = self.walk.next_cell(scene.cells);
-            if let Some(span) = span {
-                self.parts.push(span, 0);
-            }
+    fn advance(&mut self) -> bool {
+        if self.parts.is_empty()
+            && let Some((walk, cells)) = &mut self.walk
+            && walk.depth() <= self.quest.farthest
+            && let Some(span) = walk.next_cell(cells)
+        {
+            self.parts.push(span, 0);
         }
         !self.parts.is_empty()
-    }
-
-    /// Goes on to the next quest that has a cell, if there is one.
-    fn take_next(&mut self, rest: &mut std::slice::Iter<'a, Quest>, scene: &Traced<'_>) -> bool {
-        for quest in rest.by_ref() {
-            if let Some(walk) = Walk::new(scene.cells, &quest.ray, quest.from) {
-                (self.quest, self.walk) = (quest, walk);
-                if self.advance(scene) {
-                    return true;
-                }
-            }
-        }
-        false
     }
 
     /// Nothing more is looked for.
     fn finish(&mut self) {
         self.parts.n = 0;
-        self.quest = &NOTHING;
+        self.walk = None;
     }
 }
 
-/// What a lane looks for when it is done.
-static NOTHING: Quest = Quest {
-    sample: 0,
-    ray: Ray { origin: DVec3::ZERO, direction: DVec3::Z },
-    from: 0.0,
-    farthest: f64::NEG_INFINITY,
-};
+impl<S: Simd> Tracer<S> {
+    /// Follows lanes until they are done, 64 at a time; `next` begins them.
+    pub(super) fn follow<'a>(
+        &mut self,
+        tape: &Tape,
+        eye: DVec3,
+        next: &mut dyn FnMut() -> Option<Lane<'a>>,
+        meetings: &mut Vec<Meeting>,
+    ) {
+        let mut lanes: Vec<Lane<'a>> = Vec::new();
+        let mut brackets = Vec::new();
+        loop {
+            let mut i = 0;
+            while i < lanes.len() {
+                if lanes[i].advance() {
+                    i += 1;
+                } else if let Some(lane) = next() {
+                    lanes[i] = lane;
+                    i += 1;
+                } else {
+                    lanes.swap_remove(i);
+                }
+            }
+            while lanes.len() < BATCH {
+                let Some(lane) = next() else { break };
+                lanes.push(lane);
+            }
+            if lanes.is_empty() {
+                break;
+            }
+            self.test(tape, eye, &mut lanes, &mut brackets, meetings);
+            self.find_roots(tape, eye, &brackets, &mut |i, depth| {
+                let quest = &lanes[i].quest;
+                if depth <= quest.farthest {
+                    meetings.push(Meeting { sample: quest.sample, depth });
+                }
+                lanes[i].finish();
+            });
+            brackets.clear();
+        }
+    }
+}
 
 impl<S: Simd> Tracer<S> {
     /// Tests the nearest part of every lane: takes it off, halves it, or finds a bracket or, where
     /// it was halved often enough, a meeting.
     fn test(
         &mut self,
-        scene: &Traced<'_>,
+        tape: &Tape,
+        eye: DVec3,
         lanes: &mut [Lane<'_>],
         brackets: &mut Vec<Bracket>,
         meetings: &mut Vec<Meeting>,
     ) {
-        self.write_boxes(scene, lanes);
-        let found = self.slopes.gradients(scene.tape, &self.boxes, lanes.len());
+        self.write_boxes(eye, lanes);
+        let found = self.slopes.gradients(tape, &self.boxes, lanes.len());
         let verdict = found.verdict;
         let is_open = |i: usize| (verdict.empty | verdict.negative) >> i & 1 == 0;
         let open: Vec<usize> = (0..lanes.len()).filter(|&i| is_open(i)).collect();
@@ -335,11 +333,11 @@ impl<S: Simd> Tracer<S> {
             for (k, &i) in some.iter().enumerate() {
                 let span = lanes[i].parts.last();
                 for (end, depth) in [span.from, span.to].into_iter().enumerate() {
-                    let p = scene.eye + lanes[i].quest.ray.at(depth);
+                    let p = eye + lanes[i].quest.ray.at(depth);
                     (0..3).for_each(|axis| ends[axis][2 * k + end] = p[axis]);
                 }
             }
-            let values = self.points.eval(scene.tape, &ends);
+            let values = self.points.eval(tape, &ends);
             for (k, &i) in some.iter().enumerate() {
                 let values = [values[2 * k], values[2 * k + 1]];
                 let Some((span, halvings)) = lanes[i].parts.pop() else { continue };
@@ -349,11 +347,11 @@ impl<S: Simd> Tracer<S> {
                 match outcome(values, slope, span.to - span.from, is_continuous) {
                     Outcome::Miss => {}
                     Outcome::Root => brackets.push(Bracket {
-                        lane: i,
+                        id: i,
                         ray: quest.ray,
                         span,
                         values,
-                        is_in_region: verdict.in_region >> i & 1 == 1,
+                        in_region: verdict.in_region >> i & 1 == 1,
                     }),
                     Outcome::Open if halvings == MAX_HALVINGS => {
                         let depth = 0.5 * (span.from + span.to);
@@ -375,15 +373,15 @@ impl<S: Simd> Tracer<S> {
     }
 
     /// Writes the boxes of the nearest parts of all lanes.
-    fn write_boxes(&mut self, scene: &Traced<'_>, lanes: &[Lane<'_>]) {
+    fn write_boxes(&mut self, eye: DVec3, lanes: &[Lane<'_>]) {
         for (i, lane) in lanes.iter().enumerate() {
             let span = lane.parts.last();
-            let from = scene.eye + lane.quest.ray.at(span.from);
-            let to = scene.eye + lane.quest.ray.at(span.to);
+            let from = eye + lane.quest.ray.at(span.from);
+            let to = eye + lane.quest.ray.at(span.to);
             for axis in 0..3 {
                 let (a, b) = (from[axis], to[axis]);
                 let (lo, hi) = if a < b { (a, b) } else { (b, a) };
-                let rounding = 4.0 * f64::EPSILON * (scene.eye[axis].abs() + lo.abs() + hi.abs());
+                let rounding = 4.0 * f64::EPSILON * (eye[axis].abs() + lo.abs() + hi.abs());
                 self.boxes.lo[axis][i] = lo - rounding;
                 self.boxes.hi[axis][i] = hi + rounding;
             }
@@ -401,49 +399,6 @@ impl<S: Simd> Tracer<S> {
             most += if a < b { b } else { a };
         }
         [least, most]
-    }
-
-    /// Finds the roots of brackets, each a meeting if it lies in the tape's region.
-    fn find_roots(
-        &mut self,
-        scene: &Traced<'_>,
-        lanes: &mut [Lane<'_>],
-        brackets: &mut [Bracket],
-        meetings: &mut Vec<Meeting>,
-    ) {
-        for some in brackets.chunks_mut(POINT_BATCH) {
-            let mut points: Points = [[0.0; POINT_BATCH]; 3];
-            let mut depths = [0.0; POINT_BATCH];
-            let mut in_region = u64::MAX;
-            let mut is_found = [false; POINT_BATCH];
-            // The side whose end did not move in the last step.
-            let mut stayed = [None; POINT_BATCH];
-            for step in 0..MAX_STEPS {
-                for (k, bracket) in some.iter().enumerate().filter(|&(k, _)| !is_found[k]) {
-                    depths[k] = bracket.guess(step);
-                    let p = scene.eye + bracket.ray.at(depths[k]);
-                    (0..3).for_each(|axis| points[axis][k] = p[axis]);
-                }
-                let values = self.points.eval(scene.tape, &points);
-                in_region = self.points.in_region();
-                for (k, bracket) in some.iter_mut().enumerate() {
-                    is_found[k] =
-                        is_found[k] || bracket.narrow(depths[k], values[k], &mut stayed[k]);
-                }
-                if is_found[..some.len()].iter().all(|&is| is) {
-                    break;
-                }
-            }
-            for (k, bracket) in some.iter().enumerate() {
-                let quest = lanes[bracket.lane].quest;
-                if bracket.is_in_region || in_region >> k & 1 == 1 {
-                    if depths[k] <= quest.farthest {
-                        meetings.push(Meeting { sample: quest.sample, depth: depths[k] });
-                    }
-                    lanes[bracket.lane].finish();
-                }
-            }
-        }
     }
 
     /// The gradients of `tape` at some points.
@@ -467,7 +422,12 @@ fn batch(some: &[DVec3]) -> Points {
 }
 
 /// What the values at both ends of a part tell, with bounds of the slope between them.
-fn outcome([f, g]: [f64; 2], [least, most]: [f64; 2], length: f64, is_continuous: bool) -> Outcome {
+pub(super) fn outcome(
+    [f, g]: [f64; 2],
+    [least, most]: [f64; 2],
+    length: f64,
+    is_continuous: bool,
+) -> Outcome {
     if !(f.is_finite() && g.is_finite() && is_continuous) {
         return Outcome::Open;
     }
@@ -483,45 +443,5 @@ fn outcome([f, g]: [f64; 2], [least, most]: [f64; 2], length: f64, is_continuous
             let closest = (up * f - down * g + up * down * length) / (up - down);
             if closest > 1e-12 * (f + g) { Outcome::Miss } else { Outcome::Open }
         }
-    }
-}
-
-impl Bracket {
-    /// Where the root is looked for next.
-    fn guess(&self, step: usize) -> f64 {
-        let Span { from, to } = self.span;
-        let [f, g] = self.values;
-        // Where the line through both ends is 0; now and then the middle, which always helps.
-        let at = from + (to - from) * (f / (f - g));
-        if step % 4 == 3 || !(at >= from && at <= to) { 0.5 * (from + to) } else { at }
-    }
-
-    /// Takes F = `value` at `depth` for a new end; true if it is the root.
-    fn narrow(&mut self, depth: f64, value: f64, stayed: &mut Option<usize>) -> bool {
-        let Span { from, to } = self.span;
-        let [f, g] = self.values;
-        if value == 0.0 || to <= from || !value.is_finite() {
-            return true;
-        }
-        let replaced = usize::from((value < 0.0) != (f < 0.0));
-        let moved = if replaced == 0 { depth - from } else { to - depth };
-        let is_done =
-            moved <= PRECISION * (to - from) || value.abs() <= 1e-14 * (f.abs() + g.abs());
-        if is_done {
-            return true;
-        }
-        // Illinois: an end that stays counts for half, so that both ends close in.
-        let kept = 1 - replaced;
-        if *stayed == Some(kept) {
-            self.values[kept] *= 0.5;
-        }
-        *stayed = Some(kept);
-        self.values[replaced] = value;
-        if replaced == 0 {
-            self.span.from = depth;
-        } else {
-            self.span.to = depth;
-        }
-        false
     }
 }

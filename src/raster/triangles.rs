@@ -101,7 +101,7 @@ impl<'a> Triangles<'a> {
                             layer: first_layer + placed.model,
                             depth,
                             normal: normal(model, placed.triangle, weights),
-                            certified: true,
+                            certified: Some(true),
                             voxel_size: 0.0,
                             coherence: 1.0,
                             block: None,

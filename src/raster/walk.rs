@@ -21,6 +21,8 @@ pub(super) struct Cells {
     pub(super) origin: DVec3,
     /// Edge of a cell.
     pub(super) size: f64,
+    /// Cells along an edge of the block.
+    side: usize,
     /// The last corner, from the eye; cells beyond do not count.
     end: DVec3,
     /// Bit x of row y + 32 z.
@@ -35,23 +37,25 @@ const OCTANT: usize = 2;
 const OCTANTS: usize = BLOCK_SIDE / OCTANT;
 
 impl Cells {
-    /// No cells yet, of a block that ends at `end` at the latest.
-    pub(super) fn new(origin: DVec3, size: f64, end: DVec3) -> Self {
+    /// No cells yet, of a block with `side` cells along an edge, at most 32, that ends at `end` at the
+    /// latest.
+    pub(super) fn new(origin: DVec3, size: f64, side: usize, end: DVec3) -> Self {
+        assert!(side <= BLOCK_SIDE, "a row of cells is a number of 32 bits");
         let rows = vec![0; BLOCK_SIDE * BLOCK_SIDE];
         // By rounding, the planes of a lattice may lie a little beyond its last one.
         let end = end + DVec3::splat(OVERLAP * size);
-        let end = end.min(origin + DVec3::splat(BLOCK_SIDE as f64 * size));
-        Self { origin, size, end, rows, octants: [0; OCTANTS * OCTANTS] }
+        let end = end.min(origin + DVec3::splat(side as f64 * size));
+        Self { origin, size, side, end, rows, octants: [0; OCTANTS * OCTANTS] }
     }
 
     /// A box that holds all of them and the ends of rays in them, from the eye.
     pub(super) fn bounds(&self) -> (DVec3, DVec3) {
         let margin = DVec3::splat(0.01 * self.size);
-        let side = DVec3::splat(BLOCK_SIDE as f64 * self.size);
+        let side = DVec3::splat(self.side as f64 * self.size);
         (self.origin - margin, self.origin + side + margin)
     }
 
-    /// Adds the cell at `ijk`, each below 32.
+    /// Adds the cell at `ijk`, each below the block's side.
     #[inline]
     pub(super) fn insert(&mut self, [x, y, z]: [u32; 3]) {
         self.rows[y as usize + BLOCK_SIDE * z as usize] |= 1 << x;
@@ -71,6 +75,11 @@ impl Cells {
             })
         });
         (centers, half)
+    }
+
+    /// The last corner, from the eye, or that of the domain.
+    pub(super) fn end(&self) -> DVec3 {
+        self.end
     }
 
     #[inline]
@@ -137,7 +146,7 @@ impl Walk {
         for axis in 0..3 {
             let d = ray.direction[axis];
             let at = (entry[axis] / cells.size).floor() as i32;
-            let at = at.clamp(0, BLOCK_SIDE as i32 - 1);
+            let at = at.clamp(0, cells.side as i32 - 1);
             walk.cell[axis] = at;
             if d != 0.0 {
                 walk.step[axis] = if d > 0.0 { 1 } else { -1 };
@@ -155,7 +164,7 @@ impl Walk {
     /// Goes on to the next cell that may hold the surface, and returns where the ray is in it.
     pub(super) fn next_cell(&mut self, cells: &Cells) -> Option<Span> {
         loop {
-            let is_beyond = self.cell.iter().any(|&i| i < 0 || i >= BLOCK_SIDE as i32);
+            let is_beyond = self.cell.iter().any(|&i| i < 0 || i >= cells.side as i32);
             if is_beyond || self.depth > self.leave {
                 return None;
             }
@@ -205,7 +214,7 @@ mod tests {
             }
             prop_assume!(direction.length() > 0.1);
             let ray = Ray { origin: DVec3::from_array(origin), direction };
-            let mut cells = Cells::new(DVec3::ZERO, 1.0 / 32.0, DVec3::ONE);
+            let mut cells = Cells::new(DVec3::ZERO, 1.0 / 32.0, 32, DVec3::ONE);
             for i in 0..32_u32.pow(3) {
                 cells.insert([i % 32, i / 32 % 32, i / 1024]);
             }

@@ -232,6 +232,7 @@ impl<'a> Lower<'a> {
             },
             samples: self.samples(spec),
             candidates: spec.candidates.unwrap_or(true),
+            certificate: !no_exr && output.layers.unwrap_or(true),
             curvature: !no_exr && output.layers.unwrap_or(true),
         }
     }

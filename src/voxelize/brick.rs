@@ -8,7 +8,7 @@ use super::{
 };
 
 /// Levels of a brick.
-pub(super) const BRICK_LEVELS: u32 = 2;
+pub const BRICK_LEVELS: u32 = 2;
 /// Voxels along an edge of a brick.
 pub(super) const BRICK_EDGE: u32 = 1 << BRICK_LEVELS;
 /// Voxels of a brick.

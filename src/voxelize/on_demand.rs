@@ -15,6 +15,8 @@ use rayon::prelude::*;
 
 use super::{
     Precision, assemble,
+    brick::BRICK_LEVELS,
+    cells::BlockCells,
     corners::Corners,
     normals::fill_missing,
     schedule::Found,
@@ -160,6 +162,17 @@ impl<S: Simd> Divider<S> {
 pub trait FindVoxels: Send {
     /// The voxels of the block at an octant of `lattice`.
     fn find(&mut self, octant: &Octant, lattice: &Lattice) -> BlockVoxels;
+
+    /// The same by values alone: the places of voxels in the block, and its lattice.
+    fn find_by_values(
+        &mut self,
+        octant: &Octant,
+        lattice: &Lattice,
+    ) -> (Vec<[u32; 3]>, Lattice, Effort);
+
+    /// The cells of the same block, as large as bricks, with bounds that hold up to `margin` beyond
+    /// each.
+    fn find_cells(&mut self, octant: &Octant, lattice: &Lattice, margin: f64) -> BlockCells;
 }
 
 /// A finder for the instruction set.
@@ -170,7 +183,7 @@ pub fn finder(simd: SimdLevel) -> Box<dyn FindVoxels> {
         type Output = Box<dyn FindVoxels>;
 
         fn run<S: Simd>(self, simd: S) -> Box<dyn FindVoxels> {
-            Box::new(Finder::<S> { simd, single: None, double: None })
+            Box::new(Finder::<S> { simd, voxels: Searches::default(), cells: Searches::default() })
         }
     }
     simd.run(New)
@@ -179,38 +192,85 @@ pub fn finder(simd: SimdLevel) -> Box<dyn FindVoxels> {
 type Single<S> = Search<S, f32x16<S>, { BATCH / 16 }>;
 type Double<S> = Search<S, f64x8<S>, { BATCH / 8 }>;
 
-struct Finder<S: Simd> {
-    simd: S,
+/// A search of each precision, made when it is needed.
+struct Searches<S: Simd> {
     single: Option<Box<Single<S>>>,
     double: Option<Box<Double<S>>>,
 }
 
-impl<S: Simd> FindVoxels for Finder<S> {
-    fn find(&mut self, octant: &Octant, lattice: &Lattice) -> BlockVoxels {
-        let block = Arc::new(lattice.block(octant.level, octant.ijk));
-        let tape = octant.tape.clone();
-        match Precision::for_lattice(&block) {
-            Precision::Single => search(self.simd, &mut self.single, block, tape),
-            Precision::Double => search(self.simd, &mut self.double, block, tape),
-        }
+impl<S: Simd> Default for Searches<S> {
+    fn default() -> Self {
+        Self { single: None, double: None }
     }
 }
 
-/// Searches a block with a search that is made if there is none.
-fn search<S: Simd, L: Lanes<Token = S>, const G: usize>(
+struct Finder<S: Simd> {
     simd: S,
-    slot: &mut Option<Box<Search<S, L, G>>>,
-    block: Arc<Lattice>,
-    tape: Arc<Tape>,
-) -> BlockVoxels {
-    let corners = Arc::new(Corners::new(&block));
-    let search = match slot {
+    voxels: Searches<S>,
+    cells: Searches<S>,
+}
+
+impl<S: Simd> FindVoxels for Finder<S> {
+    fn find(&mut self, octant: &Octant, lattice: &Lattice) -> BlockVoxels {
+        let block = Arc::new(lattice.block(octant.level, octant.ijk, BLOCK_LEVELS));
+        let tape = octant.tape.clone();
+        let Self { simd, voxels: Searches { single, double }, .. } = self;
+        match Precision::for_lattice(&block) {
+            Precision::Single => voxels(enter(*simd, single, &block), block, tape),
+            Precision::Double => voxels(enter(*simd, double, &block), block, tape),
+        }
+    }
+
+    fn find_by_values(
+        &mut self,
+        octant: &Octant,
+        lattice: &Lattice,
+    ) -> (Vec<[u32; 3]>, Lattice, Effort) {
+        let block = Arc::new(lattice.block(octant.level, octant.ijk, BLOCK_LEVELS));
+        let root = Run::root(octant.tape.clone());
+        let Self { simd, voxels: Searches { single, double }, .. } = self;
+        let (places, effort) = match Precision::for_lattice(&block) {
+            Precision::Single => enter(*simd, single, &block).places(root),
+            Precision::Double => enter(*simd, double, &block).places(root),
+        };
+        (places, Arc::unwrap_or_clone(block), effort)
+    }
+
+    fn find_cells(&mut self, octant: &Octant, lattice: &Lattice, margin: f64) -> BlockCells {
+        let levels = BLOCK_LEVELS - BRICK_LEVELS;
+        let block = Arc::new(lattice.block(octant.level, octant.ijk, levels));
+        let root = Run::root(octant.tape.clone());
+        let Self { simd, cells: Searches { single, double }, .. } = self;
+        let (groups, effort) = match Precision::for_lattice(&block) {
+            Precision::Single => enter(*simd, single, &block).cells(root, margin),
+            Precision::Double => enter(*simd, double, &block).cells(root, margin),
+        };
+        BlockCells { lattice: Arc::unwrap_or_clone(block), groups, effort }
+    }
+}
+
+/// A search that goes on to a block, made if there is none.
+fn enter<'s, S: Simd, L: Lanes<Token = S>, const G: usize>(
+    simd: S,
+    slot: &'s mut Option<Box<Search<S, L, G>>>,
+    block: &Arc<Lattice>,
+) -> &'s mut Search<S, L, G> {
+    let corners = Arc::new(Corners::new(block));
+    match slot {
         Some(search) => {
             search.enter(block.clone(), corners);
             search
         }
         None => slot.insert(Box::new(Search::new(simd, block.clone(), corners, true))),
-    };
+    }
+}
+
+/// The voxels of a block that `search` has entered.
+fn voxels<S: Simd, L: Lanes<Token = S>, const G: usize>(
+    search: &mut Search<S, L, G>,
+    block: Arc<Lattice>,
+    tape: Arc<Tape>,
+) -> BlockVoxels {
     let subtree = search.subtree(Run::root(tape), 0);
     let effort = subtree.effort.clone();
     let found = Found { trunk: Vec::new(), subtrees: vec![subtree], effort: effort.clone() };

@@ -194,6 +194,12 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
         self.masks.iter_mut().map(LevelMasks::take).collect()
     }
 
+    /// Drops masks and tapes of what was searched.
+    pub(super) fn forget(&mut self) {
+        self.masks.iter_mut().for_each(|masks| drop(masks.take()));
+        self.tapes.forget();
+    }
+
     /// What was evaluated since the last call.
     pub(super) fn take_effort(&mut self) -> Effort {
         std::mem::replace(&mut self.effort, Effort::new(self.depth))
@@ -207,6 +213,13 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
             runs = runs.into_iter().flat_map(|run| self.divide(run, level)).collect();
         }
         runs
+    }
+
+    /// The voxels below a root by values alone, and what that took.
+    pub(super) fn places(&mut self, root: Run) -> (Vec<[u32; 3]>, Effort) {
+        let runs = self.descend(root, self.depth);
+        self.forget();
+        (runs.iter().flat_map(Run::places).collect(), self.take_effort())
     }
 
     /// Searches the single node of `run`, on `level`, down to the voxels.
