@@ -80,6 +80,7 @@ pub mod diagnostic;
 mod error;
 pub mod eval;
 pub mod expr;
+pub mod files;
 pub mod film;
 pub mod limits;
 pub mod math;

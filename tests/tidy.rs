@@ -10,16 +10,17 @@ use std::{
 
 /// Every top-level module with the modules that it may use; data flows from left to right through
 /// the pipeline, so nobody uses what comes after.
-const MAY_USE: [(&str, &[&str]); 19] = [
+const MAY_USE: [(&str, &[&str]); 20] = [
     ("math", &[]),
     ("diagnostic", &[]),
     ("progress", &[]),
+    ("files", &[]),
     ("error", &["diagnostic"]),
     ("octree", &["math"]),
     ("expr", &["diagnostic", "math"]),
     ("eval", &["expr", "math"]),
     ("voxelize", &["eval", "expr", "math", "octree", "progress"]),
-    ("polygons", &["math"]),
+    ("polygons", &["files", "math"]),
     ("raster", &["eval", "expr", "math", "octree", "polygons", "progress", "voxelize"]),
     ("output", &["math", "octree", "raster"]),
     ("scene", &["diagnostic", "expr", "math", "octree", "polygons", "raster", "voxelize"]),
