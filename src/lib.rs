@@ -92,6 +92,7 @@ pub mod progress;
 pub mod raster;
 pub mod scene;
 pub mod statistics;
+pub mod volume;
 pub mod voxelize;
 pub mod yields;
 
