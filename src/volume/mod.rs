@@ -15,7 +15,9 @@
 //!
 //! **Inside** is where samples are at or above an isovalue. NaN is outside.
 
+mod band;
 mod bytes;
+mod components;
 mod fit;
 mod header;
 mod metaimage;
@@ -32,6 +34,7 @@ use std::path::Path;
 
 pub use self::{
     bytes::ByteOrder,
+    components::{Keep, Kept},
     raw::RawFormat,
     samples::{Sample, SampleType, Samples},
 };
