@@ -20,7 +20,7 @@ const MAY_USE: [(&str, &[&str]); 21] = [
     ("expr", &["diagnostic", "math"]),
     ("eval", &["expr", "math"]),
     ("voxelize", &["eval", "expr", "math", "octree", "progress"]),
-    ("volume", &["files", "math"]),
+    ("volume", &["eval", "expr", "files", "math", "progress"]),
     ("polygons", &["files", "math"]),
     ("raster", &["eval", "expr", "math", "octree", "polygons", "progress", "voxelize"]),
     ("output", &["math", "octree", "raster"]),

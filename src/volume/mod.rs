@@ -25,10 +25,13 @@ mod nifti;
 mod nrrd;
 mod placing;
 mod raw;
+mod sampled;
 mod samples;
 #[cfg(test)]
 mod tests;
 mod text;
+#[cfg(test)]
+mod thesis;
 
 use std::path::Path;
 
@@ -36,6 +39,7 @@ pub use self::{
     bytes::ByteOrder,
     components::{Keep, Kept},
     raw::RawFormat,
+    sampled::Quantize,
     samples::{Sample, SampleType, Samples},
 };
 use glam::{DAffine3, DVec3};
