@@ -80,6 +80,7 @@ pub mod diagnostic;
 mod error;
 pub mod eval;
 pub mod expr;
+pub mod files;
 pub mod film;
 pub mod hrb;
 pub mod limits;
@@ -94,6 +95,7 @@ pub mod progress;
 pub mod raster;
 pub mod scene;
 pub mod statistics;
+pub mod volume;
 pub mod voxelize;
 pub mod yields;
 

@@ -10,18 +10,20 @@ use std::{
 
 /// Every top-level module with the modules that it may use; data flows from left to right through
 /// the pipeline, so nobody uses what comes after.
-const MAY_USE: [(&str, &[&str]); 22] = [
+const MAY_USE: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("diagnostic", &[]),
     ("progress", &[]),
+    ("files", &[]),
     ("error", &["diagnostic"]),
     ("octree", &["math"]),
     ("expr", &["diagnostic", "math"]),
     ("eval", &["expr", "math"]),
     ("voxelize", &["eval", "expr", "math", "octree", "progress"]),
+    ("volume", &["eval", "expr", "files", "math", "progress"]),
     ("hrb", &["mesh"]),
     ("mesh", &["eval", "expr", "math", "octree", "voxelize"]),
-    ("polygons", &["math"]),
+    ("polygons", &["files", "math"]),
     ("raster", &["eval", "expr", "math", "octree", "polygons", "progress", "voxelize"]),
     ("output", &["math", "mesh", "octree", "raster"]),
     (

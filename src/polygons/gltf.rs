@@ -1,12 +1,13 @@
 //! glTF 2.0, as text or binary.
 
-use std::path::{Component, Path};
+use std::path::Path;
 
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use glam::{DAffine3, DMat4, DVec3};
 use gltf::{Document, Gltf, Node, buffer, mesh::Mode};
 
 use super::{Raw, Refusal, normal_matrix, read_bytes};
+use crate::files;
 
 /// How deep nodes may be nested.
 const MAX_DEPTH: u32 = 64;
@@ -17,9 +18,8 @@ pub(super) fn read(path: &Path) -> Result<Raw, Refusal> {
     let bytes = read_bytes(path)?;
     let Gltf { document, mut blob } = Gltf::from_slice(&bytes)
         .map_err(|error| format!("it is not a valid glTF file: {error}"))?;
-    let folder = path.parent().unwrap_or(Path::new(""));
     let buffers: Result<Vec<Vec<u8>>, Refusal> =
-        document.buffers().map(|buffer| bytes_of(&buffer, &mut blob, folder)).collect();
+        document.buffers().map(|buffer| bytes_of(&buffer, &mut blob, path)).collect();
     let buffers = buffers?;
     check_views(&document, &buffers)?;
     let mut raw = Raw::default();
@@ -35,7 +35,7 @@ pub(super) fn read(path: &Path) -> Result<Raw, Refusal> {
 fn bytes_of(
     buffer: &gltf::Buffer<'_>,
     blob: &mut Option<Vec<u8>>,
-    folder: &Path,
+    path: &Path,
 ) -> Result<Vec<u8>, Refusal> {
     let index = buffer.index();
     let bytes = match buffer.source() {
@@ -46,11 +46,9 @@ fn bytes_of(
                 STANDARD.decode(text).map_err(|error| format!("buffer {index}: {error}"))?
             }
             None => {
-                let name = Path::new(uri);
-                if !name.components().all(|part| matches!(part, Component::Normal(_))) {
-                    return Err(format!("buffer {index} does not lie beside it: {uri}"));
-                }
-                read_bytes(&folder.join(name))?
+                let beside = files::beside(path, uri)
+                    .ok_or_else(|| format!("buffer {index} does not lie beside it: {uri}"))?;
+                read_bytes(&beside)?
             }
         },
     };

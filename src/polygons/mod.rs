@@ -8,9 +8,11 @@ mod gltf;
 mod normals;
 mod obj;
 
-use std::{fs, io, path::Path};
+use std::{io::Read as _, path::Path};
 
 use glam::{DAffine3, DMat3, DVec3};
+
+use crate::files;
 
 /// Triangles in scene coordinates.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -114,19 +116,14 @@ impl Raw {
 
 /// The bytes of a file that a model consists of.
 fn read_bytes(path: &Path) -> Result<Vec<u8>, Refusal> {
-    let failed = |error: io::Error| match error.kind() {
-        io::ErrorKind::NotFound => format!("there is no file {}", path.display()),
-        _ => format!("cannot read {}: {error}", path.display()),
-    };
-    let metadata = fs::metadata(path).map_err(failed)?;
-    // A pipe would be waited for.
-    if !metadata.is_file() {
-        return Err(format!("{} is not a file", path.display()));
-    }
-    if metadata.len() > MAX_BYTES {
+    let (mut file, length) = files::open(path)?;
+    if length > MAX_BYTES {
         return Err(format!("{} is larger than {} MiB", path.display(), MAX_BYTES >> 20));
     }
-    fs::read(path).map_err(failed)
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)
+        .map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+    Ok(bytes)
 }
 
 #[cfg(test)]

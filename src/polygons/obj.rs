@@ -5,7 +5,7 @@ use std::{io::Cursor, path::Path};
 use glam::DVec3;
 
 use super::{Raw, Refusal, read_bytes};
-use crate::math::linear_from_srgb;
+use crate::{files, math::linear_from_srgb};
 
 /// All groups of a file together, polygons cut into triangles, with the colours of vertices or
 /// else of materials.
@@ -13,12 +13,11 @@ pub(super) fn read(path: &Path) -> Result<Raw, Refusal> {
     let bytes = read_bytes(path)?;
     let options =
         tobj::LoadOptions { triangulate: true, single_index: true, ..tobj::LoadOptions::default() };
-    let folder = path.parent().unwrap_or(Path::new(""));
     // A material library that is missing costs its colours, not the model; one that lies
     // elsewhere is not looked for.
     let material = |name: &Path| {
-        let is_below = name.components().all(|c| matches!(c, std::path::Component::Normal(_)));
-        let bytes = if is_below { read_bytes(&folder.join(name)).ok() } else { None };
+        let beside = name.to_str().and_then(|name| files::beside(path, name));
+        let bytes = beside.and_then(|beside| read_bytes(&beside).ok());
         bytes.map_or(Err(tobj::LoadError::OpenFileFailed), |bytes| {
             tobj::load_mtl_buf(&mut Cursor::new(bytes))
         })
