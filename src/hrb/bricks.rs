@@ -56,7 +56,7 @@ impl<V: Value> HrbOctree<V> {
         if border == Border::Capped {
             // A brick that the border cuts has phantoms of its own.
             for axis in 0..3 {
-                if self.size[axis] % SIDE != 0 {
+                if !self.size[axis].is_multiple_of(SIDE) {
                     for i in 0..sides.len() {
                         let at = [i % n[0], i / n[0] % n[1], i / n[0] / n[1]];
                         if at[axis] == n[axis] - 2 {

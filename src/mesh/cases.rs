@@ -29,7 +29,8 @@ pub(super) fn axis_of(edge: usize) -> usize {
 fn edge_between(a: usize, b: usize) -> usize {
     let axis = (a ^ b).trailing_zeros() as usize;
     let low = a & b;
-    4 * axis | (low >> ((axis + 1) % 3) & 1) | (low >> ((axis + 2) % 3) & 1) << 1
+    let bit = |step: usize| low >> ((axis + step) % 3) & 1;
+    4 * axis + bit(1) + 2 * bit(2)
 }
 
 /// The two faces that an edge lies on, as bits: face `2 axis + side`.

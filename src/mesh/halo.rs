@@ -162,7 +162,7 @@ impl<'a> Halo<'a> {
 /// Which of three bricks in a row holds a place.
 #[inline]
 fn part(i: usize) -> usize {
-    (i + 7) / 8
+    i.div_ceil(8)
 }
 
 /// Which voxel of it that is.

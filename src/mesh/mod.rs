@@ -57,11 +57,8 @@ impl Mesh {
     pub(crate) fn drop_unused(&mut self) {
         let mut numbers = vec![u32::MAX; self.positions.len()];
         self.triangles.as_flattened().iter().for_each(|&v| numbers[v as usize] = 0);
-        let mut next = 0;
-        for number in numbers.iter_mut().filter(|number| **number == 0) {
-            *number = next;
-            next += 1;
-        }
+        let used = numbers.iter_mut().filter(|number| **number == 0);
+        (0..).zip(used).for_each(|(next, number)| *number = next);
         let is_used = |i: &mut usize| {
             *i += 1;
             numbers[*i - 1] != u32::MAX

@@ -150,7 +150,7 @@ fn crossings_stay_near_faces() {
         5,
         Border::Capped,
         0.5,
-        &mut |level| level > 3 || levels() % 3 == 0,
+        &mut |level| level > 3 || levels().is_multiple_of(3),
         &mut |base, _| f64::from(u8::from(base[0] < 16)),
     );
     let Extraction { crossings, triangles } = extract(&grid);
