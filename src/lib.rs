@@ -83,6 +83,7 @@ pub mod expr;
 pub mod files;
 pub mod film;
 pub mod hrb;
+pub mod isosurface;
 pub mod limits;
 pub mod math;
 pub mod mesh;

@@ -8,7 +8,8 @@ use crate::{
     statistics,
 };
 
-/// The meshes of all surfaces that have voxels, in the order of the scene, and their numbers.
+/// The meshes of all surfaces that have voxels, then those of volumes, in the order of the scene, and
+/// their numbers.
 pub fn meshes(
     scene: &Scene,
     storages: &[Box<dyn Storage>],
@@ -26,6 +27,12 @@ pub fn meshes(
         }
         mesh.name.clone_from(&surface.name);
         mesh.color = surface.material.color;
+        let split_vertices = mesh.split_touching();
+        numbers.push(statistics::Mesh::of(&mesh, split_vertices));
+        meshes.push(mesh);
+    }
+    for mesh in &*scene.isosurfaces {
+        let mut mesh = mesh.clone();
         let split_vertices = mesh.split_touching();
         numbers.push(statistics::Mesh::of(&mesh, split_vertices));
         meshes.push(mesh);

@@ -150,7 +150,7 @@ fn render_with_all_threads(
     let start = Instant::now();
     let outlines = outlines(scene, &lattice, simd)?;
     let is_frame = camera.is_some();
-    if !is_frame && outlines.iter().all(Outline::is_empty) {
+    if !is_frame && scene.needs_surfaces() && outlines.iter().all(Outline::is_empty) {
         return Err(nothing_found(scene, &lattice, simd));
     }
     let drawn = Drawn { voxels: Vec::new(), outlines: &outlines, models: &scene.models };
@@ -168,7 +168,7 @@ fn render_with_all_threads(
         Whole::default()
     } else {
         let (voxelizations, n_voxels) = find_voxels(scene, &lattice, simd, &memory, progress)?;
-        if n_voxels == 0 && !is_frame {
+        if n_voxels == 0 && !is_frame && scene.needs_surfaces() {
             return Err(nothing_found(scene, &lattice, simd));
         }
         let occupied = voxelizations.iter().map(|v| Occupied::of_octree(&v.octree, &lattice));
@@ -334,7 +334,7 @@ pub(crate) fn choose_lattice(
     simd: SimdLevel,
     notes: &mut Vec<String>,
 ) -> Lattice {
-    let domain = scene.domain.unwrap_or_else(|| {
+    let domain = scene.domain.or_else(|| scene.bounds_of_models()).unwrap_or_else(|| {
         let surfaces = scene.surfaces.iter().map(|s| (&s.name, &s.expr));
         let (domain, note) = advice::choose_domain(surfaces, simd);
         notes.push(note);

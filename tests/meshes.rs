@@ -189,3 +189,45 @@ fn meshes_of_scenes_are_the_golden_ones() {
     }
     assert!(differ.is_empty(), "{}", differ.join("\n"));
 }
+
+/// A scan as it comes: raw samples beside a scene of nothing else.
+fn scan(file: &str, keys: &str) -> scene::Scene {
+    let data = env::var_os("ZEROSET_DATA").unwrap();
+    let packed = Path::new(&data).join("volumes").join(file).with_extension("raw.xz");
+    let folder = tempfile::tempdir().unwrap();
+    let mut raw = fs::File::create(folder.path().join("scan.raw")).unwrap();
+    let packed = fs::File::open(packed).unwrap();
+    std::io::copy(&mut lzma_rust2::XzReader::new(packed, false), &mut raw).unwrap();
+    let path = folder.path().join("scan.toml");
+    fs::write(&path, format!("version = 1\n[[volume]]\nfile = 'scan.raw'\n{keys}\n")).unwrap();
+    scene::load(&path).unwrap()
+}
+
+#[test]
+#[expect(clippy::print_stdout, reason = "the test harness keeps what is said")]
+fn isosurfaces_of_scans_are_clean() {
+    if env::var_os("ZEROSET_DATA").is_none() {
+        println!("SKIPPED: ZEROSET_DATA is not set");
+        return;
+    }
+    for (file, keys) in [
+        ("aneurism_256x256x256_uint8", "size = [256, 256, 256]\ntype = 'uint8'\nisovalue = 60"),
+        ("fuel_64x64x64_uint8", "size = [64, 64, 64]\ntype = 'uint8'\nisovalue = 10"),
+        ("lobster_301x324x56_uint8", "size = [301, 324, 56]\ntype = 'uint8'\nisovalue = 40"),
+        ("headsq_64x64x93_int16", "size = [64, 64, 93]\ntype = 'int16'\nisovalue = 1150"),
+        ("seg3d_tooth_103x94x161_uint16", "size = [103, 94, 161]\ntype = 'uint16'\nisovalue = 600"),
+    ] {
+        for tolerance in [0, 8] {
+            let keys = format!("{keys}\ncap = true\ntolerance = {tolerance}");
+            let mut mesh = scan(file, &keys).isosurfaces[0].clone();
+            let split = mesh.split_touching();
+            let health = mesh.health();
+            assert_eq!(
+                Health { double_vertices: 0, ..health },
+                Health::default(),
+                "{file}, tolerance {tolerance}, {split} split"
+            );
+            assert!(mesh.shape().volume > 0.0, "{file}");
+        }
+    }
+}

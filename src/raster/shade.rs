@@ -167,7 +167,7 @@ impl<'a> OnScreen<'a> {
                     .to_owned(),
             ));
         }
-        let near = layers.iter().map(Layer::near).fold(f64::INFINITY, f64::min);
+        let near = near(layers, models, screen);
         let triangles = Triangles::new(models, screen, near);
         let maker = BlockMaker::new(layers, screen, image);
         Ok(Self { maker, blocks, triangles, shade: image.shade })
@@ -178,6 +178,19 @@ impl<'a> OnScreen<'a> {
         Painter { maker: *maker, blocks, triangles, shade: *shade }
     }
 }
+
+/// Where rays begin: of layers, or of models by themselves.
+fn near(layers: &[Layer<'_>], models: &[Model], screen: &Screen) -> f64 {
+    let of_layers = layers.iter().map(Layer::near).fold(f64::INFINITY, f64::min);
+    if of_layers.is_finite() {
+        return of_layers;
+    }
+    let all = models.iter().flat_map(|model| &model.polygons.positions);
+    NEAR_MODELS * all.map(|&p| (p - screen.eye).length_squared()).fold(0.0, f64::max).sqrt()
+}
+
+/// The nearest that models are shown, as a part of how far away they reach.
+const NEAR_MODELS: f64 = 1e-6;
 
 /// Everything that lighting a sample needs to know.
 struct Shader<'a> {

@@ -76,6 +76,8 @@ impl<'a> Shadows<'a> {
             .chain(models.iter().filter_map(bounds_of))
             .collect();
         let near = layers.iter().map(Layer::near).fold(f64::INFINITY, f64::min);
+        // Parallel rays begin before everything.
+        let near = if near.is_finite() { near } else { 0.0 };
         let view = |direction: DVec3| {
             let view = View {
                 projection: Projection::Orthographic { height: None },

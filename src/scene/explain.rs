@@ -8,12 +8,13 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 13] = [
+const SECTIONS: [&str; 14] = [
     "version",
     "params",
     "let",
     "surface",
     "model",
+    "volume",
     "domain",
     "voxels",
     "camera",

@@ -15,6 +15,7 @@ use crate::{
     Error, Result,
     diagnostic::{Diagnostic, Model, Rejection, Sources},
     expr::Expr,
+    math::Aabb,
     raster::time,
 };
 
@@ -116,6 +117,29 @@ impl Scene {
                 Err(Error::Scene(Box::new(Rejection { sources, diagnostics })))
             }
         }
+    }
+}
+
+impl Scene {
+    /// Whether nothing else is shown than surfaces of formulas.
+    #[must_use]
+    pub fn needs_surfaces(&self) -> bool {
+        self.isosurfaces.is_empty()
+    }
+
+    /// The box around all models, of scenes that have nothing else.
+    #[must_use]
+    pub fn bounds_of_models(&self) -> Option<Aabb> {
+        let all = self.models.iter().flat_map(|model| &model.polygons.positions);
+        let bounds = all.fold(None, |bounds: Option<Aabb>, &p| {
+            let Aabb { min, max } = bounds.unwrap_or(Aabb { min: p, max: p });
+            Some(Aabb { min: min.min(p), max: max.max(p) })
+        })?;
+        // A flat one still has three sides.
+        let margin = 1e-3 * bounds.size().max_element().max(f64::MIN_POSITIVE);
+        let margin = glam::DVec3::splat(margin);
+        let wide = Aabb { min: bounds.min - margin, max: bounds.max + margin };
+        self.surfaces.is_empty().then_some(wide)
     }
 }
 

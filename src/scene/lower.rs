@@ -100,10 +100,14 @@ impl<'a> Lower<'a> {
         self.tracks = self.tracks(spec);
         let surfaces = self.surfaces_of_frame(spec, 0.0);
         let (view, animation) = self.animation(spec);
+        let models = self.models(&spec.models, spec.surfaces.len());
+        let n_before = spec.surfaces.len() + spec.models.len();
+        let (of_volumes, isosurfaces) = self.volumes(&spec.volumes, n_before);
         Scene {
             name: name.to_owned(),
             surfaces,
-            models: self.models(&spec.models, spec.surfaces.len()),
+            models: models.into_iter().chain(of_volumes).collect(),
+            isosurfaces: isosurfaces.into(),
             domain: self.domain(&spec.domain),
             resolution: self.resolution(&spec.voxels.spec),
             is_auto: is_auto(&spec.voxels.spec),

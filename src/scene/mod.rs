@@ -25,6 +25,7 @@ mod spanned;
 mod spec;
 mod surface;
 mod text;
+mod volume;
 
 #[cfg(test)]
 mod tests;
@@ -40,7 +41,7 @@ use crate::{
     diagnostic::{Diagnostic, Sources},
     expr::Expr,
     math::Aabb,
-    mesh::{Border, VertexPlace},
+    mesh::{Border, Mesh, VertexPlace},
     octree::StorageKind,
     output::meshes::{MeshFormat, Unit, Up},
     raster::{Coloring, ImageSettings, Material, Model, View},
@@ -52,10 +53,12 @@ use crate::{
 pub struct Scene {
     /// The file's stem; outputs are named after it.
     pub name: String,
-    /// At least one.
+    /// At least one, unless there are volumes.
     pub surfaces: Vec<Surface>,
     /// Polygon models, drawn beside them.
     pub models: Arc<[Model]>,
+    /// The meshes of isosurfaces of volumes, which are among the models too.
+    pub isosurfaces: Arc<[Mesh]>,
     /// The box that is searched, finite and not empty; one is found where there is none.
     pub domain: Option<Aabb>,
     /// Voxels along the domain's longest axis.

@@ -1,7 +1,5 @@
 //! Polygon models: files that lie beside the scene, and where their polygons go.
 
-use std::sync::Arc;
-
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::{
@@ -13,11 +11,7 @@ use crate::{diagnostic::Diagnostic, polygons::Polygons, raster::Model};
 
 impl Lower<'_> {
     /// All models that could be made, after `n_surfaces` surfaces.
-    pub(super) fn models(
-        &mut self,
-        specs: &[Section<ModelSpec>],
-        n_surfaces: usize,
-    ) -> Arc<[Model]> {
+    pub(super) fn models(&mut self, specs: &[Section<ModelSpec>], n_surfaces: usize) -> Vec<Model> {
         let model = |(i, section)| self.model(n_surfaces + i, section);
         specs.iter().enumerate().filter_map(model).collect()
     }

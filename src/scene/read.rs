@@ -107,6 +107,11 @@ fn sections(root: DeTable<'_>, source: &str, errors: &mut Vec<Diagnostic>) -> Sc
                 let help = "a model is written in double brackets";
                 spec.models = repeated("[[model]]", help, value, errors);
             }
+            "volume" => {
+                has_surface = true;
+                let help = "a volume is written in double brackets";
+                spec.volumes = repeated("[[volume]]", help, value, errors);
+            }
             "light" => {
                 let help = "a light is written in double brackets";
                 spec.lights = repeated("[[light]]", help, value, errors);

@@ -35,6 +35,9 @@ pub(super) struct SceneSpec {
     /// Polygon models that are drawn beside the surfaces.
     #[schemars(rename = "model", default)]
     pub(super) models: Vec<Section<ModelSpec>>,
+    /// Sampled volumes, of each of which an isosurface is drawn.
+    #[schemars(rename = "volume", default)]
+    pub(super) volumes: Vec<Section<VolumeSpec>>,
     #[schemars(default)]
     pub(super) domain: Section<DomainSpec>,
     #[schemars(default)]
@@ -176,6 +179,89 @@ pub(super) struct ModelSpec {
     pub(super) rotate: Option<Spanned<Numbers<3>>>,
     /// By how much it is moved.
     pub(super) translate: Option<Spanned<Numbers<3>>>,
+}
+
+/// A sampled volume, and the isosurface in it. Samples are in the middles of voxels.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct VolumeSpec {
+    /// The file, relative to the folder of the scene: NRRD (`.nrrd`, `.nhdr`), MetaImage (`.mha`,
+    /// `.mhd`), NIfTI-1 (`.nii`, `.nii.gz`, `.hdr`), or raw samples with `size` and `type`.
+    #[schemars(required)]
+    pub(super) file: Option<Spanned<String>>,
+    /// For messages and meshes; the file's name by default.
+    pub(super) name: Option<String>,
+    /// What is this large or larger is inside.
+    pub(super) isovalue: Option<Spanned<Number>>,
+    /// What lies between these two is inside, instead of `isovalue`.
+    pub(super) range: Option<Spanned<Numbers<2>>>,
+    /// Whether only the largest component of what is inside is kept; false by default.
+    pub(super) keep_largest: Option<bool>,
+    /// Components with fewer samples are dropped; 1 by default.
+    pub(super) min_samples: Option<Spanned<Whole>>,
+    /// By how much samples may differ that become one region; 0 by default.
+    pub(super) tolerance: Option<Spanned<Number>>,
+    /// What is compared with `tolerance`; "range" by default.
+    pub(super) criterion: Option<CriterionSpec>,
+    /// Whether the isosurface is closed where the volume ends; false by default.
+    pub(super) cap: Option<bool>,
+    /// Raw samples: how many there are along x, y and z.
+    pub(super) size: Option<Spanned<Numbers<3>>>,
+    /// Raw samples: their type.
+    #[serde(rename = "type")]
+    pub(super) sample_type: Option<Spanned<SampleTypeSpec>>,
+    /// Raw samples: the order of their bytes; "little" by default.
+    pub(super) byte_order: Option<ByteOrderSpec>,
+    /// Raw samples: the distances between them along x, y and z; 1 by default.
+    pub(super) spacing: Option<Spanned<Numbers<3>>>,
+    /// Raw samples: where the first one is in the scene; `[0, 0, 0]` by default.
+    pub(super) origin: Option<Spanned<Numbers<3>>>,
+    /// Raw samples: how many bytes stand before them; 0 by default.
+    pub(super) skip: Option<Spanned<Whole>>,
+    /// By default the next of a small palette.
+    pub(super) color: Option<Color>,
+    /// The colour seen from inside; by default the same.
+    pub(super) back_color: Option<Color>,
+    /// Strength of the highlight in [0, 1]; 0.3 by default.
+    #[schemars(range(min = 0, max = 1))]
+    pub(super) specular: Option<Spanned<Number>>,
+    /// Exponent of the highlight from 1 to 1000; 32 by default.
+    #[schemars(range(min = 1, max = 1000))]
+    pub(super) shininess: Option<Spanned<Whole>>,
+}
+
+/// How a sample is stored.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum SampleTypeSpec {
+    Uint8,
+    Int8,
+    Uint16,
+    Int16,
+    Uint32,
+    Int32,
+    Float32,
+    Float64,
+}
+
+/// The order of bytes.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ByteOrderSpec {
+    #[default]
+    Little,
+    Big,
+}
+
+/// What is compared with the tolerance.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum CriterionSpec {
+    /// The largest sample and the least.
+    #[default]
+    Range,
+    /// Each sample and the mean.
+    Deviation,
 }
 
 /// The axis that points up.

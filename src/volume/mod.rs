@@ -44,7 +44,7 @@ pub use self::{
 };
 use glam::{DAffine3, DVec3};
 
-use self::samples::with_samples;
+pub(crate) use self::samples::with_samples;
 use crate::math::Aabb;
 
 /// Why a file holds no volume or nothing can be had from it, as a sentence without its name.

@@ -1,0 +1,195 @@
+//! Sampled volumes: files that lie beside the scene, and the isosurfaces in them.
+
+use super::{
+    color::{WHITE, default_color},
+    lower::Lower,
+    spec::{ByteOrderSpec, CriterionSpec, SampleTypeSpec, Section, VolumeSpec},
+};
+use crate::{
+    diagnostic::Diagnostic,
+    hrb::{Criterion, Tolerance},
+    isosurface::isosurface,
+    mesh::{Border, Mesh},
+    polygons::Polygons,
+    raster::Model,
+    volume::{ByteOrder, Keep, RawFormat, SampleType, Volume},
+};
+
+/// More voxels along an axis are no file that memory holds.
+const MAX_SIZE: i64 = 1 << 20;
+
+impl Lower<'_> {
+    /// The isosurfaces of all volumes that could be read, as polygons and as meshes, after `n_before`
+    /// other things with colours.
+    pub(super) fn volumes(
+        &mut self,
+        specs: &[Section<VolumeSpec>],
+        n_before: usize,
+    ) -> (Vec<Model>, Vec<Mesh>) {
+        let volume = |(i, section)| self.volume(n_before + i, section);
+        specs.iter().enumerate().filter_map(volume).unzip()
+    }
+
+    fn volume(&mut self, index: usize, section: &Section<VolumeSpec>) -> Option<(Model, Mesh)> {
+        let spec = &section.spec;
+        let usual = if self.has_matcap { WHITE } else { default_color(index) };
+        let colors = (spec.color.unwrap_or(usual), spec.back_color);
+        let material = self.material_of(colors, spec.specular.as_ref(), spec.shininess.as_ref());
+        let raw = self.raw_format(spec);
+        let Some(file) = &spec.file else {
+            self.missing(section, "file", "file = \"scan.nrrd\"");
+            return None;
+        };
+        let path = self.beside(file).map_err(|mistake| self.errors.push(mistake)).ok()?;
+        let volume = Volume::read(&path, raw.as_ref()).map_err(|why| {
+            let message = format!("cannot use {}: {why}", file.get_ref());
+            self.errors.push(Diagnostic::new(file.span(), message));
+        });
+        let (volume, isovalue) = self.inside(section, volume.ok()?)?;
+        let volume = self.kept(spec, volume, isovalue)?;
+        let epsilon = self.number("tolerance", spec.tolerance.as_ref(), 0.0..=f64::MAX, 0.0);
+        let criterion = match spec.criterion.unwrap_or_default() {
+            CriterionSpec::Range => Criterion::Range,
+            CriterionSpec::Deviation => Criterion::Deviation,
+        };
+        let border = if spec.cap.unwrap_or(false) { Border::Capped } else { Border::Open };
+        let mut mesh = isosurface(&volume, isovalue, Tolerance { epsilon, criterion }, border);
+        if mesh.triangles.is_empty() {
+            self.errors.push(
+                Diagnostic::new(file.span(), "the isosurface is empty")
+                    .help("no two neighbours lie on different sides of it"),
+            );
+            return None;
+        }
+        mesh.name = spec.name.clone().unwrap_or_else(|| file.get_ref().clone());
+        mesh.color = material.color;
+        let model = Model { name: mesh.name.clone(), polygons: polygons(&mesh), material };
+        Some((model, mesh))
+    }
+
+    /// The volume in which what is inside is at or above the isovalue.
+    fn inside(&mut self, section: &Section<VolumeSpec>, volume: Volume) -> Option<(Volume, f64)> {
+        let spec = &section.spec;
+        match (&spec.isovalue, &spec.range) {
+            (Some(isovalue), None) => {
+                let value = isovalue.get_ref().0;
+                match volume.check_isovalue(value) {
+                    Ok(()) => Some((volume, value)),
+                    Err(why) => {
+                        self.errors.push(Diagnostic::new(isovalue.span(), why));
+                        None
+                    }
+                }
+            }
+            (None, Some(range)) => match volume.band(range.get_ref().0) {
+                Ok(band) => Some((band, 0.0)),
+                Err(why) => {
+                    self.errors.push(Diagnostic::new(range.span(), why));
+                    None
+                }
+            },
+            (Some(_), Some(range)) => {
+                self.errors.push(
+                    Diagnostic::new(range.span(), "`range` stands beside `isovalue`")
+                        .help("remove one of them"),
+                );
+                None
+            }
+            (None, None) => {
+                self.missing(section, "isovalue", "isovalue = 100");
+                None
+            }
+        }
+    }
+
+    /// The volume without the components that are too small.
+    fn kept(&mut self, spec: &VolumeSpec, mut volume: Volume, isovalue: f64) -> Option<Volume> {
+        let least = spec.min_samples.as_ref();
+        let min_samples = self.whole("min_samples", least, 1..=i64::from(u32::MAX), 1);
+        let keep = match spec.keep_largest.unwrap_or(false) {
+            true => Keep::Largest,
+            false if min_samples > 1 => Keep::AtLeast(u64::from(min_samples)),
+            false => return Some(volume),
+        };
+        match volume.keep(isovalue, keep) {
+            Ok(_) => Some(volume),
+            Err(why) => {
+                let span = spec.file.as_ref().map_or(0..0, |file| file.span());
+                self.errors.push(Diagnostic::new(span, why));
+                None
+            }
+        }
+    }
+
+    /// What the scene says of a file that does not say it itself.
+    fn raw_format(&mut self, spec: &VolumeSpec) -> Option<RawFormat> {
+        let (Some(size), Some(sample_type)) = (&spec.size, &spec.sample_type) else {
+            let size = spec.size.as_ref().map(|size| ("size", "type", size.span()));
+            let alone = spec.sample_type.as_ref().map(|kind| ("type", "size", kind.span()));
+            if let Some((key, other, span)) = size.or(alone) {
+                self.errors.push(
+                    Diagnostic::new(span, format!("`{key}` stands without `{other}`"))
+                        .help("files of raw samples need both, other files none of them"),
+                );
+            }
+            return None;
+        };
+        let mut sides = [1; 3];
+        for (side, n) in sides.iter_mut().zip(size.get_ref().0) {
+            if !(1.0..=MAX_SIZE as f64).contains(&n) || n.fract() != 0.0 {
+                self.errors.push(
+                    Diagnostic::new(size.span(), "`size` is three whole numbers above 0")
+                        .label(format!("{n} is none")),
+                );
+                return None;
+            }
+            *side = n as u32;
+        }
+        let mut format = RawFormat::new(
+            sides,
+            match sample_type.get_ref() {
+                SampleTypeSpec::Uint8 => SampleType::U8,
+                SampleTypeSpec::Int8 => SampleType::I8,
+                SampleTypeSpec::Uint16 => SampleType::U16,
+                SampleTypeSpec::Int16 => SampleType::I16,
+                SampleTypeSpec::Uint32 => SampleType::U32,
+                SampleTypeSpec::Int32 => SampleType::I32,
+                SampleTypeSpec::Float32 => SampleType::F32,
+                SampleTypeSpec::Float64 => SampleType::F64,
+            },
+        );
+        if spec.byte_order == Some(ByteOrderSpec::Big) {
+            format.byte_order = ByteOrder::Big;
+        }
+        if let Some(spacing) = &spec.spacing {
+            format.spacing = spacing.get_ref().0;
+        }
+        if let Some(origin) = &spec.origin {
+            format.origin = self.coordinates("origin", origin);
+        }
+        let skip = spec.skip.as_ref();
+        format.skip = u64::from(self.whole("skip", skip, 0..=i64::from(u32::MAX), 0));
+        Some(format)
+    }
+
+    fn missing(&mut self, section: &Section<VolumeSpec>, key: &str, example: &str) {
+        if !section.is_damaged {
+            self.errors.push(
+                Diagnostic::new(section.span.clone(), format!("the volume has no `{key}`"))
+                    .help(format!("add it, as in {example}")),
+            );
+        }
+    }
+}
+
+/// What the rasterizer draws.
+fn polygons(mesh: &Mesh) -> Polygons {
+    let wide = |v: &[f32; 3]| glam::DVec3::from_array(v.map(f64::from));
+    let of_corner = |v: u32| wide(&mesh.normals[v as usize]);
+    Polygons {
+        positions: mesh.positions.iter().map(wide).collect(),
+        triangles: mesh.triangles.clone(),
+        normals: mesh.triangles.iter().map(|corners| corners.map(of_corner)).collect(),
+        colors: Vec::new(),
+    }
+}
