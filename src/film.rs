@@ -191,6 +191,7 @@ fn survey(
     // Frames that differ by the camera alone need one look.
     let n_different = if scene.changes() { animation.n_frames } else { 1 };
     let mut scene = scene.clone();
+    scene.domain = scene.domain.or_else(|| scene.bounds_of_models());
     if scene.domain.is_none() {
         progress.begin("looking for the surfaces", u64::from(n_different), "frames");
         let mut failure = None;
@@ -225,7 +226,7 @@ fn survey(
             progress.advance(1);
         }
         progress.end();
-        if seen.rows.is_empty() {
+        if seen.rows.is_empty() && scene.needs_surfaces() {
             return Err(pipeline::nothing_found(&scene, &lattice, simd));
         }
     }

@@ -94,7 +94,7 @@ pub(super) fn summary(path: &Path, written: &str, time: Duration) {
 
 /// Says that nothing is wrong with the scene at `path`, and what it asks for.
 pub(super) fn fine(path: &Path, scene: &Scene) {
-    let surfaces = match scene.surfaces.len() {
+    let surfaces = match scene.surfaces.len() + scene.isosurfaces.len() {
         1 => "1 surface".to_owned(),
         n => format!("{n} surfaces"),
     };
