@@ -9,6 +9,6 @@ mod slopes;
 
 pub use boxes::{BATCH, BoxEvaluator, Boxes, Ranges, Verdict};
 pub use machine::Machine;
-pub use points::{GradientEvaluator, POINT_BATCH, PointEvaluator, Points};
+pub use points::{GradientEvaluator, POINT_BATCH, PointEvaluator, Points, batch};
 pub use sampler::{Sample, sampler};
 pub use slopes::{SlopeEvaluator, SlopeVerdict};

@@ -1,6 +1,7 @@
 //! Values and gradients at points, in f64, 16 points a pass.
 
 use fearless_simd::{Simd, f64x8};
+use glam::DVec3;
 
 use super::Machine;
 use crate::{
@@ -14,6 +15,16 @@ const GROUPS: usize = POINT_BATCH / 8;
 
 /// The coordinates of up to [`POINT_BATCH`] points, axis by axis.
 pub type Points = [[f64; POINT_BATCH]; 3];
+
+/// Up to [`POINT_BATCH`] points, axis by axis; the rest is 0.
+#[must_use]
+pub fn batch(some: &[DVec3]) -> Points {
+    let mut batch: Points = [[0.0; POINT_BATCH]; 3];
+    for (k, p) in some.iter().enumerate() {
+        (0..3).for_each(|axis| batch[axis][k] = p[axis]);
+    }
+    batch
+}
 
 /// Evaluates tapes at points; NaN where the formula is undefined.
 pub struct PointEvaluator<S: Simd> {

@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 use glam::DVec3;
 
-use super::{GradientEvaluator, POINT_BATCH, PointEvaluator, Points};
+use super::{GradientEvaluator, POINT_BATCH, PointEvaluator, batch};
 use crate::{
     expr::Tape,
     math::{SimdLevel, SimdTask},
@@ -68,13 +68,4 @@ impl<S: Simd> Sample for Sampler<S> {
         }
         are_in
     }
-}
-
-/// Some points, axis by axis.
-fn batch(some: &[DVec3]) -> Points {
-    let mut batch: Points = [[0.0; POINT_BATCH]; 3];
-    for (k, p) in some.iter().enumerate() {
-        (0..3).for_each(|axis| batch[axis][k] = p[axis]);
-    }
-    batch
 }

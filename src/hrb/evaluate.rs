@@ -46,17 +46,4 @@ impl<V: Value> HrbOctree<V> {
         let [a, b, c, d] = [0, 2, 4, 6].map(|c| blend(corners[c], corners[c + 1], part[0]));
         blend(blend(a, b, part[1]), blend(c, d, part[1]), part[2])
     }
-
-    /// The gradient at a point, by differences over one sample to either side.
-    #[must_use]
-    pub fn gradient_at(&self, point: [f64; 3]) -> [f64; 3] {
-        [0, 1, 2].map(|axis| {
-            let value = |step: f64| {
-                let mut at = point;
-                at[axis] += step;
-                self.value_at(at)
-            };
-            0.5 * (value(1.0) - value(-1.0))
-        })
-    }
 }

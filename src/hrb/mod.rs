@@ -11,5 +11,5 @@ mod sample;
 mod tests;
 
 pub use build::{Criterion, Tolerance};
-pub use octree::{HrbOctree, Region};
+pub use octree::{HrbOctree, Region, Storage};
 pub use sample::{Fixed8, Sample, Value};

@@ -25,7 +25,7 @@ use super::{
 use crate::{
     eval::{
         BATCH, BoxEvaluator, Boxes, GradientEvaluator, POINT_BATCH, PointEvaluator, Points,
-        SlopeEvaluator,
+        SlopeEvaluator, batch,
     },
     expr::Tape,
     math::{SimdLevel, SimdTask},
@@ -410,15 +410,6 @@ impl<S: Simd> Tracer<S> {
         }
         gradients
     }
-}
-
-/// Some points, axis by axis.
-fn batch(some: &[DVec3]) -> Points {
-    let mut batch: Points = [[0.0; POINT_BATCH]; 3];
-    for (k, p) in some.iter().enumerate() {
-        (0..3).for_each(|axis| batch[axis][k] = p[axis]);
-    }
-    batch
 }
 
 /// What the values at both ends of a part tell, with bounds of the slope between them.
