@@ -23,7 +23,7 @@ use siphasher::sip128::{Hasher128, SipHasher13};
 
 pub use extract::{Crossing, Extraction, LEAST_PART, extract};
 pub use formula::{FormulaSettings, VertexPlace, of_formula};
-pub use grid::{Border, Brick, Grid, Leaf, SIDE, VOXELS};
+pub use grid::{Border, Brick, Grid, Leaf, SIDE, VOXELS, offset};
 
 /// Triangles of one surface, as files hold them.
 #[derive(Clone, Debug, Default, PartialEq)]
