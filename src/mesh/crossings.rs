@@ -22,21 +22,22 @@ impl Mesh {
             self.triangles[boxes.order[place] as usize].map(|v| self.positions[v as usize])
         };
         let top = boxes.levels.len() - 1;
-        let of_leaf = |leaf: usize| {
+        let of_leaf = |stack: &mut Vec<(usize, usize)>, leaf: usize| {
             let own = &boxes.levels[0][leaf];
             let mut n = 0;
-            let mut stack = vec![(top, 0)];
+            stack.push((top, 0));
             while let Some((level, number)) = stack.pop() {
                 // Every pair is met once, from its lower place.
                 let is_before = ((number + 1) << level) <= leaf;
-                if is_before || !boxes.levels[level][number].meets(own) {
+                let around = &boxes.levels[level][number];
+                if is_before || !around.meets(own) {
                     continue;
                 }
                 if level > 0 {
                     stack.extend(boxes.inside(level, number).map(|below| (level - 1, below)));
                     continue;
                 }
-                for i in boxes.of_leaf(leaf).filter(|&i| boxes.triangles[i].meets(&boxes.levels[0][number])) {
+                for i in boxes.of_leaf(leaf).filter(|&i| boxes.triangles[i].meets(around)) {
                     for j in boxes.of_leaf(number) {
                         let is_near = j > i && boxes.triangles[i].meets(&boxes.triangles[j]);
                         n += u64::from(is_near && overlap(&corners(i), &corners(j)));
@@ -45,7 +46,7 @@ impl Mesh {
             }
             n
         };
-        (0..boxes.levels[0].len()).into_par_iter().map(of_leaf).sum()
+        (0..boxes.levels[0].len()).into_par_iter().map_init(Vec::new, of_leaf).sum()
     }
 }
 
@@ -81,8 +82,10 @@ fn overlap(a: &[Point; 3], b: &[Point; 3]) -> bool {
 /// it lies in the plane.
 fn side(triangle: &[Point; 3], p: Point) -> f64 {
     let [a, b, c] = *triangle;
-    // What lies across an axis, as caps do, needs no long arithmetic.
-    if (0..3).any(|axis| [a, b, c].iter().all(|corner| corner[axis] == p[axis])) {
+    // Common corners, and what lies across an axis, as caps do, need no long arithmetic.
+    if triangle.contains(&p)
+        || (0..3).any(|axis| [a, b, c].iter().all(|corner| corner[axis] == p[axis]))
+    {
         return 0.0;
     }
     let [a, b, c, p] = [a, b, c, p].map(|[x, y, z]| Coord3D { x, y, z });

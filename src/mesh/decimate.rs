@@ -31,10 +31,14 @@ const MOST_TURN: f64 = 0.25;
 
 /// Twice the area of a triangle over the square of its longest side: what is thinner must not become
 /// thinner still.
-const THINNEST: f64 = 0.1;
+const THINNEST: f64 = 0.01;
+
+/// Each round collapses edges of this share, the cheapest: those that were refused get another chance
+/// before dear ones are taken instead.
+const SHARE: f64 = 0.25;
 
 /// A round that takes less than one in this many triangles away is the last one.
-const WORTHWHILE: usize = 200;
+const WORTHWHILE: usize = 1000;
 
 impl Mesh {
     /// Collapses edges until there are at most `n_wanted` triangles, or nothing is left that may
@@ -48,11 +52,15 @@ impl Mesh {
         }
         let Some(fans) = Fans::new(self) else { return };
         let mut decimation = Decimation::new(self, fans);
+        let mut share = SHARE;
         while decimation.fans.n_triangles() > n_wanted {
             let n_before = decimation.fans.n_triangles();
-            decimation.round(n_wanted);
-            if (n_before - decimation.fans.n_triangles()) * WORTHWHILE < n_before {
-                break;
+            decimation.round(n_wanted, share);
+            let is_worthwhile = (n_before - decimation.fans.n_triangles()) * WORTHWHILE >= n_before;
+            match is_worthwhile {
+                true => share = SHARE,
+                false if share < 1.0 => share = 1.0,
+                false => break,
             }
         }
         let left = decimation.fans.triangles.into_iter().filter(|corners| corners[0] != NONE);
@@ -68,14 +76,19 @@ struct Decimation<'a> {
     origin: DVec3,
     /// At each vertex, the planes of all triangles that came together there.
     quadrics: Vec<Quadric>,
+    /// What distances from a border count, for each length of it.
+    border_weight: f64,
     /// How often each vertex has changed.
     versions: Vec<u32>,
 }
 
+/// The upper half of the bits of a number that is not negative: they have its order.
+type Cost = u32;
+
 /// An edge that waits; the order is that of costs, which are never negative, and then of vertices.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Waiting {
-    cost_bits: u64,
+    cost: Cost,
     edge: [u32; 2],
     /// The versions of its ends, added.
     version: u32,
@@ -100,11 +113,19 @@ impl<'a> Decimation<'a> {
         }
         let origin = 0.5 * (low + high);
         let quadrics = vec![Quadric::default(); n];
-        let mut new = Self { mesh, fans, origin, quadrics, versions: vec![0; n] };
+        let border_weight = 0.0;
+        let mut new = Self { mesh, fans, origin, quadrics, border_weight, versions: vec![0; n] };
+        new.border_weight = BORDER_WEIGHT * new.mean_length();
         for t in 0..new.fans.triangles.len() {
             new.add_quadrics(t);
         }
         new
+    }
+
+    /// The mean length of edges.
+    fn mean_length(&self) -> f64 {
+        let length = |side| self.at(self.fans.from(side)).distance(self.at(self.fans.to(side)));
+        self.fans.edges().map(length).sum::<f64>() / self.fans.edges().count().max(1) as f64
     }
 
     /// From the origin.
@@ -124,8 +145,7 @@ impl<'a> Decimation<'a> {
         let Some(n) = across.try_normalize() else { return };
         let area = 0.5 * across.length();
         let middle = (a + b + c) / 3.0;
-        let plane =
-            Quadric::plane(middle, n, area) + Quadric::point(middle, ROUNDNESS * area);
+        let plane = Quadric::plane(middle, n, area) + Quadric::point(middle, ROUNDNESS * area);
         for v in corners {
             let of_v = &mut self.quadrics[v as usize];
             *of_v = *of_v + plane;
@@ -134,7 +154,7 @@ impl<'a> Decimation<'a> {
             if self.fans.is_open((3 * t + i) as Side)
                 && let Some(outwards) = (to - from).cross(n).try_normalize()
             {
-                let weight = BORDER_WEIGHT * (to - from).length_squared();
+                let weight = self.border_weight * (to - from).length();
                 let border = Quadric::plane(from, outwards, weight);
                 for v in [corners[i], corners[(i + 1) % 3]] {
                     let of_v = &mut self.quadrics[v as usize];
@@ -144,13 +164,16 @@ impl<'a> Decimation<'a> {
         }
     }
 
-    /// Collapses edges until few enough triangles are left or no edge waits.
-    fn round(&mut self, n_wanted: usize) {
+    /// Collapses edges of the cheapest `share` until few enough triangles are left or no edge waits.
+    fn round(&mut self, n_wanted: usize, share: f64) {
         let edges: Vec<Side> = self.fans.edges().collect();
-        let waiting = edges.par_iter().map(|&side| {
-            Reverse(self.waiting(self.fans.from(side), self.fans.to(side)))
-        });
-        let mut queue = BinaryHeap::from(waiting.collect::<Vec<_>>());
+        let waiting =
+            edges.par_iter().map(|&side| self.waiting(self.fans.from(side), self.fans.to(side)));
+        let mut waiting: Vec<Waiting> = waiting.collect();
+        let n = ((waiting.len() as f64 * share) as usize).min(waiting.len() - 1);
+        let most = waiting.select_nth_unstable(n).1.cost;
+        waiting.truncate(n + 1);
+        let mut queue: BinaryHeap<Reverse<Waiting>> = waiting.into_iter().map(Reverse).collect();
         while self.fans.n_triangles() > n_wanted
             && let Some(Reverse(Waiting { edge: [u, v], version, .. })) = queue.pop()
         {
@@ -164,15 +187,15 @@ impl<'a> Decimation<'a> {
             let target = self.target(u, v);
             if self.fans.may_collapse(side) && self.keeps_shape(u, v, target.place) {
                 let kept = self.collapse(side, &target);
-                let of_kept = self.fans.neighbors(kept).map(|w| Reverse(self.waiting(kept, w)));
-                queue.extend(of_kept);
+                let of_kept = self.fans.neighbors(kept).map(|w| self.waiting(kept, w));
+                queue.extend(of_kept.filter(|waiting| waiting.cost <= most).map(Reverse));
             }
         }
     }
 
     fn waiting(&self, u: u32, v: u32) -> Waiting {
         Waiting {
-            cost_bits: self.target(u, v).cost.to_bits(),
+            cost: (self.target(u, v).cost.to_bits() >> 32) as u32,
             edge: [u.min(v), u.max(v)],
             version: self.versions[u as usize].wrapping_add(self.versions[v as usize]),
         }
@@ -186,13 +209,16 @@ impl<'a> Decimation<'a> {
         let best = match [u, v].map(|v| self.fans.is_border(v)) {
             [true, false] => at_u,
             [false, true] => at_v,
-            [true, true] => at_u + quadric.least_between(at_u, at_v).clamp(0.0, 1.0) * (at_v - at_u),
+            [true, true] => {
+                at_u + quadric.least_between(at_u, at_v).clamp(0.0, 1.0) * (at_v - at_u)
+            }
             [false, false] => quadric.least(),
         };
         let best = if best.is_finite() { best } else { 0.5 * (at_u + at_v) };
         let position = (best + self.origin).as_vec3().to_array();
         let place = DVec3::from_array(position.map(f64::from)) - self.origin;
-        Target { place, position, cost: quadric.at(place) }
+        let cost = quadric.at(place);
+        Target { place, position, cost }
     }
 
     /// Whether the triangles at both ends of an edge stay what they are if these move to `place`.
@@ -214,7 +240,8 @@ impl<'a> Decimation<'a> {
         let is_turned = old.dot(new) <= MOST_TURN * old.length() * new.length()
             || (new.dot(up) <= 0.0 && old.dot(up) > 0.0);
         let thickness = |[a, b, c]: [DVec3; 3], across: DVec3| {
-            let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+            let longest =
+                a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
             across.length() / longest
         };
         let thin = thickness(after, new);

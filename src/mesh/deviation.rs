@@ -21,8 +21,9 @@ impl Mesh {
             let mut farthest = 0.0_f64;
             // The nearest triangle of the last vertex is a good first guess for the next one.
             let mut guess = None;
+            let mut stack = Vec::new();
             for point in points {
-                let (distance, nearest) = nearest(other, &boxes, wide(*point), guess);
+                let (distance, nearest) = nearest(other, &boxes, wide(*point), guess, &mut stack);
                 farthest = farthest.max(distance);
                 guess = nearest;
             }
@@ -33,12 +34,14 @@ impl Mesh {
     }
 }
 
-/// The squared distance of a point from a mesh, and the nearest of its triangles.
+/// The squared distance of a point from a mesh, and the nearest of its triangles. `stack` is empty
+/// before and after.
 fn nearest(
     mesh: &Mesh,
     boxes: &Boxes,
     point: DVec3,
     guess: Option<u32>,
+    stack: &mut Vec<(usize, usize, f64)>,
 ) -> (f64, Option<u32>) {
     let to_triangle = |t: u32| {
         let corners = mesh.triangles[t as usize].map(|v| wide(mesh.positions[v as usize]));
@@ -46,7 +49,6 @@ fn nearest(
     };
     let mut best = (guess.map_or(f64::INFINITY, to_triangle), guess);
     let top = boxes.levels.len() - 1;
-    let mut stack: Vec<(usize, usize, f64)> = Vec::new();
     if let Some(whole) = boxes.levels[top].first() {
         stack.push((top, 0, to_bounds(whole, point)));
     }
@@ -64,9 +66,11 @@ fn nearest(
             continue;
         }
         let n_before = stack.len();
-        stack.extend(boxes.inside(level, number).map(|below| {
-            (level - 1, below, to_bounds(&boxes.levels[level - 1][below], point))
-        }));
+        stack.extend(
+            boxes
+                .inside(level, number)
+                .map(|below| (level - 1, below, to_bounds(&boxes.levels[level - 1][below], point))),
+        );
         // The nearer one is looked at first.
         if stack[n_before].2 < stack[stack.len() - 1].2 {
             stack[n_before..].reverse();

@@ -171,11 +171,7 @@ impl Fans {
         }
         self.triangles[side as usize / 3] = [NONE; 3];
         self.n_triangles -= 1;
-        if leading != NONE {
-            Some(leading)
-        } else {
-            (leaving != NONE).then(|| next(leaving))
-        }
+        if leading != NONE { Some(leading) } else { (leaving != NONE).then(|| next(leaving)) }
     }
 
     /// The first side around a vertex, from any that leaves it.

@@ -47,13 +47,9 @@ impl Quadric {
     /// Where it is least, by Cramer's rule; not finite where that is no single place.
     pub(super) fn least(&self) -> DVec3 {
         let (d, s) = (self.diagonal, self.beside);
-        let rows = [
-            DVec3::new(d.x, s.z, s.y),
-            DVec3::new(s.z, d.y, s.x),
-            DVec3::new(s.y, s.x, d.z),
-        ];
-        let [x, y, z] =
-            [rows[1].cross(rows[2]), rows[2].cross(rows[0]), rows[0].cross(rows[1])];
+        let rows =
+            [DVec3::new(d.x, s.z, s.y), DVec3::new(s.z, d.y, s.x), DVec3::new(s.y, s.x, d.z)];
+        let [x, y, z] = [rows[1].cross(rows[2]), rows[2].cross(rows[0]), rows[0].cross(rows[1])];
         -(self.b.x * x + self.b.y * y + self.b.z * z) / rows[0].dot(x)
     }
 
@@ -65,11 +61,7 @@ impl Quadric {
 
     fn times(&self, x: DVec3) -> DVec3 {
         let s = self.beside;
-        let mixed = DVec3::new(
-            s.z * x.y + s.y * x.z,
-            s.z * x.x + s.x * x.z,
-            s.y * x.x + s.x * x.y,
-        );
+        let mixed = DVec3::new(s.z * x.y + s.y * x.z, s.z * x.x + s.x * x.z, s.y * x.x + s.x * x.y);
         self.diagonal * x + mixed
     }
 }
