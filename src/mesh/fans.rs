@@ -189,3 +189,72 @@ impl Fans {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fans(n_vertices: usize, triangles: &[[u32; 3]]) -> Option<Fans> {
+        Fans::new(&Mesh {
+            positions: vec![[0.0; 3]; n_vertices],
+            triangles: triangles.to_vec(),
+            ..Mesh::default()
+        })
+    }
+
+    fn may_collapse(fans: &Fans, u: u32, v: u32) -> bool {
+        fans.may_collapse(fans.side_between(u, v).unwrap_or(NONE))
+    }
+
+    #[test]
+    fn closed_pieces_end_as_tetrahedra() {
+        let octahedron = [
+            [0, 2, 4],
+            [2, 1, 4],
+            [1, 3, 4],
+            [3, 0, 4],
+            [2, 0, 5],
+            [1, 2, 5],
+            [3, 1, 5],
+            [0, 3, 5],
+        ];
+        let Some(mut fans) = fans(6, &octahedron) else { panic!("it is a manifold") };
+        assert_eq!(fans.neighbors(4).collect::<Vec<_>>(), [0, 2, 1, 3]);
+        assert!(may_collapse(&fans, 0, 4));
+        fans.collapse(fans.side_between(0, 4).unwrap_or(NONE));
+        assert_eq!(fans.n_triangles(), 6);
+        assert!(fans.is_gone(4) && !fans.is_gone(0));
+        // 1 and 0 are opposite, and both have 2, 3 and 5 around them.
+        assert!(!may_collapse(&fans, 0, 1));
+        assert!(may_collapse(&fans, 0, 2));
+        fans.collapse(fans.side_between(0, 2).unwrap_or(NONE));
+        assert_eq!(fans.n_triangles(), 4);
+        assert!([[0, 1], [0, 3], [1, 3], [1, 5]].iter().all(|&[u, v]| !may_collapse(&fans, u, v)));
+    }
+
+    #[test]
+    fn borders_stay_apart() {
+        // A strip of three triangles: what leads across it must not collapse.
+        let Some(mut fans) = fans(5, &[[0, 1, 2], [2, 1, 3], [2, 3, 4]]) else {
+            panic!("it is a manifold")
+        };
+        assert!((0..5).all(|v| fans.is_border(v)));
+        assert!(!may_collapse(&fans, 1, 2) && !may_collapse(&fans, 2, 3));
+        assert!(may_collapse(&fans, 0, 1) && may_collapse(&fans, 1, 3));
+        fans.collapse(fans.side_between(1, 3).unwrap_or(NONE));
+        assert_eq!(fans.neighbors(2).count(), 3);
+        fans.collapse(fans.side_between(0, 2).unwrap_or(NONE));
+        assert_eq!(fans.n_triangles(), 1);
+        // The last one stays.
+        assert!(fans.edges().all(|side| !fans.may_collapse(side)));
+    }
+
+    #[test]
+    fn only_oriented_manifolds_have_fans() {
+        assert!(fans(3, &[[0, 1, 2]]).is_some());
+        assert!(fans(4, &[[0, 1, 2], [0, 1, 3]]).is_none());
+        assert!(fans(5, &[[0, 1, 2], [1, 0, 3], [0, 1, 4]]).is_none());
+        assert!(fans(5, &[[0, 1, 2], [0, 3, 4]]).is_none());
+        assert!(fans(3, &[[0, 1, 1]]).is_none());
+    }
+}
