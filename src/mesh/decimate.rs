@@ -1,7 +1,7 @@
 //! Meshes with fewer triangles: edges collapse, the one that moves the surface least first.
 //!
 //! *Invariant:* what is a manifold stays one, with as many pieces, holes and borders as it had. No
-//! triangle turns over, or becomes flat. Borders move along themselves only.
+//! collapse turns a triangle over, or makes one flat. Borders move along themselves only.
 //!
 //! *Based on:* M. Garland, P. Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH
 //! 1997; P. Trettner, L. Kobbelt, "Fast and Robust QEM Minimization using Probabilistic Quadrics",
