@@ -109,7 +109,10 @@ fn smooth() -> impl Strategy<Value = (String, f64)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig {
+        failure_persistence: None,
+        ..ProptestConfig::with_cases(24)
+    })]
 
     #[test]
     fn smooth_surfaces_stay_what_they_are(
