@@ -30,52 +30,6 @@ fn surface(f: &str, half: f64) -> String {
     )
 }
 
-/// A closed surface with its area and volume and Euler number.
-struct Known {
-    name: &'static str,
-    text: String,
-    area: f64,
-    volume: f64,
-    euler: i64,
-}
-
-fn known() -> Vec<Known> {
-    vec![
-        Known {
-            name: "sphere",
-            text: surface("x^2 + y^2 + z^2 = 1", 1.3),
-            area: 4.0 * PI,
-            volume: 4.0 / 3.0 * PI,
-            euler: 2,
-        },
-        Known {
-            name: "torus",
-            text: surface("(sqrt(x^2 + y^2) - 1)^2 + z^2 = 0.4^2", 1.5),
-            area: 4.0 * PI * PI * 0.4,
-            volume: 2.0 * PI * PI * 0.4 * 0.4,
-            euler: 0,
-        },
-    ]
-}
-
-#[test]
-fn known_surfaces_have_their_area_and_volume() {
-    for Known { name, text, area, volume, euler } in known() {
-        let errors = |resolution: u32, vertex: VertexPlace| {
-            let mesh = mesh(&text, resolution, Border::Open, vertex);
-            assert_eq!(mesh.health(), Health::default(), "{name} at {resolution}");
-            let Shape { area: a, volume: v, euler: e, components, .. } = mesh.shape();
-            assert_eq!((e, components), (euler, 1), "{name} at {resolution}");
-            ((a / area - 1.0).abs()).max((v / volume - 1.0).abs())
-        };
-        for vertex in [VertexPlace::Linear, VertexPlace::Polished] {
-            let (coarse, fine) = (errors(64, vertex), errors(128, vertex));
-            assert!(fine < 3e-3, "{name}: {fine}");
-            assert!(coarse / fine > 3.5, "{name} {vertex:?}: {coarse} {fine}");
-        }
-    }
-}
-
 /// Vertices lie on the surface, normals at right angles to it.
 #[test]
 fn vertices_are_on_the_surface() {
