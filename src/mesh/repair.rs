@@ -1,11 +1,13 @@
 //! Sheets that touch: where more than two triangles meet at an edge, or several fans at a vertex, the
-//! vertices are doubled, so that every sheet is a manifold by itself. Nothing moves.
+//! vertices are doubled, so that every sheet is a manifold by itself. Where the ends of an edge cannot be
+//! doubled, because each has a single fan that comes by twice, one of the sheets gets a vertex in the middle
+//! of its edge. Nothing moves.
 //!
 //! *Based on:* A. Guéziec, G. Taubin, F. Lazarus, B. Horn, "Cutting and Stitching: Converting Sets of
 //! Polygons to Manifold Surfaces", IEEE TVCG 2001.
 
 use glam::DVec3;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::Mesh;
 
@@ -13,9 +15,9 @@ use super::Mesh;
 type Side = u32;
 
 impl Mesh {
-    /// Doubles vertices where sheets touch. Returns how many were added.
+    /// Adds vertices where sheets touch. Returns how many.
     pub fn split_touching(&mut self) -> u64 {
-        let partners = self.partners();
+        let (partners, crowded) = self.partners_and_crowded();
         // The corners of triangles, joined where triangles stay together.
         let n = self.triangles.len() * 3;
         let mut fans: Vec<u32> = (0..n as u32).collect();
@@ -45,11 +47,54 @@ impl Mesh {
             };
             self.triangles[corner as usize / 3][corner as usize % 3] = own;
         }
+        self.part_edges(&partners, &crowded);
         (self.positions.len() - n_before) as u64
     }
 
-    /// The side across every side, [`NONE`] at borders.
-    fn partners(&self) -> Vec<Side> {
+    /// Puts a vertex into the middle of an edge that another pair of triangles has as well.
+    fn part_edges(&mut self, partners: &[Side], crowded: &[Side]) {
+        let mut taken: FxHashSet<[u32; 2]> = FxHashSet::default();
+        // Sides that went to a new triangle when theirs was cut in two.
+        let mut moved: FxHashMap<Side, Side> = FxHashMap::default();
+        for &side in crowded {
+            // Each pair once.
+            let partner = partners[side as usize];
+            if partner == NONE || partner < side {
+                continue;
+            }
+            let pair = [side, partner].map(|mut side| {
+                while let Some(&now) = moved.get(&side) {
+                    side = now;
+                }
+                side
+            });
+            let corner = |side: Side| self.triangles[side as usize / 3][side as usize % 3];
+            let [a, b] = [corner(pair[0]), corner(next(pair[0]))];
+            if taken.insert([a.min(b), a.max(b)]) {
+                continue;
+            }
+            let middle = self.positions.len() as u32;
+            let mean = |of: &[[f32; 3]]| {
+                let [a, b] = [a, b].map(|v| DVec3::from_array(of[v as usize].map(f64::from)));
+                0.5 * (a + b)
+            };
+            let (position, normal) = (mean(&self.positions), mean(&self.normals));
+            self.positions.push(position.as_vec3().to_array());
+            self.normals.push(normal.normalize_or(DVec3::Z).as_vec3().to_array());
+            for side in pair {
+                let (triangle, i) = (side as usize / 3, side as usize % 3);
+                let corners = self.triangles[triangle];
+                let [end, opposite] = [1, 2].map(|step| corners[(i + step) % 3]);
+                self.triangles[triangle][(i + 1) % 3] = middle;
+                moved.insert(next(side), 3 * self.triangles.len() as u32 + 1);
+                self.triangles.push([middle, end, opposite]);
+            }
+        }
+    }
+
+    /// The side across every side, [`NONE`] at borders; and the sides at edges that more than two triangles
+    /// have.
+    fn partners_and_crowded(&self) -> (Vec<Side>, Vec<Side>) {
         let mut sides: Vec<([u32; 2], Side)> = Vec::with_capacity(3 * self.triangles.len());
         for (triangle, corners) in (0..).zip(&self.triangles) {
             for i in 0..3 {
@@ -58,7 +103,7 @@ impl Mesh {
             }
         }
         sides.sort_unstable();
-        let mut partners = vec![NONE; sides.len()];
+        let (mut partners, mut crowded) = (vec![NONE; sides.len()], Vec::new());
         let mut pair = |a: Side, b: Side| {
             partners[a as usize] = b;
             partners[b as usize] = a;
@@ -67,10 +112,13 @@ impl Mesh {
             match *at_edge {
                 [_] => {}
                 [(_, a), (_, b)] => pair(a, b),
-                _ => self.pair_around(at_edge, &mut pair),
+                _ => {
+                    crowded.extend(at_edge.iter().map(|&(_, side)| side));
+                    self.pair_around(at_edge, &mut pair);
+                }
             }
         }
-        partners
+        (partners, crowded)
     }
 
     /// Pairs the sides at an edge that many triangles have, by going around it: what is inside lies

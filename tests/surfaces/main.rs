@@ -5,6 +5,7 @@
 
 mod lost;
 mod meshed;
+mod singular;
 mod thin;
 
 use std::{collections::BTreeSet, path::Path};

@@ -32,7 +32,7 @@ impl Voxels {
 
 const VERTICES: [VertexPlace; 2] = [VertexPlace::Linear, VertexPlace::Polished];
 
-fn published(name: &str) -> &'static Surface {
+pub(crate) fn published(name: &str) -> &'static Surface {
     SURFACES.iter().find(|surface| surface.name == name).unwrap()
 }
 
