@@ -281,8 +281,8 @@ fn singular(
     lattice: &Lattice,
     simd: SimdLevel,
 ) -> Vec<statistics::Singular> {
-    let of_surface = |(surface, storage): (&Surface, &Box<dyn Storage>)| {
-        let places = voxelize::singular_places(&surface.expr.tape(), &**storage, lattice, simd);
+    let of_surface = |(surface, storage): (&Surface, &dyn Storage)| {
+        let places = voxelize::singular_places(&surface.expr.tape(), storage, lattice, simd);
         statistics::Singular {
             name: surface.name.clone(),
             places: places.len() as u64,
@@ -290,6 +290,7 @@ fn singular(
             first: places.first().map(|place| lattice.voxel_center(place.first).to_array()),
         }
     };
+    let storages = storages.iter().map(|storage| &**storage);
     scene.surfaces.iter().zip(storages).map(of_surface).collect()
 }
 
