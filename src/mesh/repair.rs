@@ -1,7 +1,7 @@
 //! Sheets that touch: where more than two triangles meet at an edge, or several fans at a vertex, the
 //! vertices are doubled, so that every sheet is a manifold by itself. Where the ends of an edge cannot be
 //! doubled, because each has a single fan that comes by twice, one of the sheets gets a vertex in the middle
-//! of its edge. Nothing moves.
+//! of its edge. Triangles that lie back to back are dropped. Nothing moves.
 //!
 //! *Based on:* A. Guéziec, G. Taubin, F. Lazarus, B. Horn, "Cutting and Stitching: Converting Sets of
 //! Polygons to Manifold Surfaces", IEEE TVCG 2001.
@@ -17,7 +17,10 @@ type Side = u32;
 impl Mesh {
     /// Adds vertices where sheets touch. Returns how many.
     pub fn split_touching(&mut self) -> u64 {
-        let (partners, crowded) = self.partners_and_crowded();
+        let (mut partners, mut crowded) = self.partners_and_crowded();
+        if self.drop_folded(&partners, &crowded) {
+            (partners, crowded) = self.partners_and_crowded();
+        }
         // The corners of triangles, joined where triangles stay together.
         let n = self.triangles.len() * 3;
         let mut fans: Vec<u32> = (0..n as u32).collect();
@@ -49,6 +52,49 @@ impl Mesh {
         }
         self.part_edges(&partners, &crowded);
         (self.positions.len() - n_before) as u64
+    }
+
+    /// Drops triangles that are each other's back, and those that have a vertex twice: they enclose nothing,
+    /// and what is beside them fits together without them. Whether there were any.
+    fn drop_folded(&mut self, partners: &[Side], crowded: &[Side]) -> bool {
+        let is_alone = |&triangle: &u32| {
+            let beside = |i: u32| partners[(3 * triangle + i) as usize] / 3;
+            beside(0) == beside(1) && beside(1) == beside(2)
+        };
+        let mut suspects: Vec<u32> = crowded.iter().map(|side| side / 3).collect();
+        suspects.extend((0..self.triangles.len() as u32).filter(is_alone));
+        suspects.sort_unstable();
+        suspects.dedup();
+        // By corners, those that no other one was the back of yet, and which way they go.
+        let mut single: FxHashMap<[u32; 3], Vec<(u32, bool)>> = FxHashMap::default();
+        let is_line = |[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
+        let numbered = (0..).zip(&self.triangles);
+        let mut folded: FxHashSet<u32> = numbered
+            .filter(|(_, corners)| is_line(corners))
+            .map(|(triangle, _)| triangle)
+            .collect();
+        suspects.retain(|triangle| !folded.contains(triangle));
+        for triangle in suspects {
+            let corners = self.triangles[triangle as usize];
+            let mut sorted = corners;
+            sorted.sort_unstable();
+            let first = corners.iter().position(|&v| v == sorted[0]).unwrap_or(0);
+            let is_even = corners[(first + 1) % 3] == sorted[1];
+            let of_corners = single.entry(sorted).or_default();
+            match of_corners.iter().position(|&(_, other)| other != is_even) {
+                Some(i) => folded.extend([triangle, of_corners.swap_remove(i).0]),
+                None => of_corners.push((triangle, is_even)),
+            }
+        }
+        let mut number = 0;
+        self.triangles.retain(|_| {
+            number += 1;
+            !folded.contains(&(number - 1))
+        });
+        if !folded.is_empty() {
+            self.drop_unused();
+        }
+        !folded.is_empty()
     }
 
     /// Puts a vertex into the middle of an edge that another pair of triangles has as well.
