@@ -122,7 +122,7 @@ fn large_models_of_the_thesis_become_clean_meshes() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Regions of all sizes whose sheets touch each other in any way.
     #[test]

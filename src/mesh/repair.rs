@@ -259,6 +259,19 @@ mod tests {
     }
 
     #[test]
+    fn what_encloses_nothing_is_dropped() {
+        let second = [[2.0, 2.0, 2.0], [3.0, 2.0, 2.0], [2.0, 3.0, 2.0], [2.0, 2.0, 3.0]];
+        let clean = touching(second, &[]);
+        let mut mesh = clean.clone();
+        // Back to back at an edge of other triangles, alone, and with a vertex twice.
+        mesh.positions.extend([[5.0, 0.0, 0.0], [5.0, 1.0, 0.0], [5.0, 0.0, 1.0]]);
+        mesh.normals.extend([[1.0, 0.0, 0.0]; 3]);
+        mesh.triangles.extend([[0, 1, 8], [1, 0, 8], [8, 9, 10], [10, 9, 8], [4, 5, 4]]);
+        assert_eq!(mesh.split_touching(), 0);
+        assert_eq!(mesh, clean);
+    }
+
+    #[test]
     fn sheets_that_share_a_vertex_are_parted() {
         let second = [[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, -1.0, 0.0]];
         let mut mesh = touching(second, &[(0, 0)]);
