@@ -12,7 +12,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::Mesh;
 
 /// A side of a triangle: 3 triangle + corner, from that corner to the next.
-type Side = u32;
+pub(super) type Side = u32;
 
 impl Mesh {
     /// Adds vertices where sheets touch. Returns how many.
@@ -52,6 +52,11 @@ impl Mesh {
         }
         self.part_edges(&partners, &crowded);
         (self.positions.len() - n_before) as u64
+    }
+
+    /// The side across every side, [`NONE`] at borders.
+    pub(super) fn partners(&self) -> Vec<Side> {
+        self.partners_and_crowded().0
     }
 
     /// Drops triangles that are each other's back, and those that have a vertex twice: they enclose nothing,
@@ -199,10 +204,10 @@ impl Mesh {
 }
 
 /// No side.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// The next side of the same triangle.
-fn next(side: Side) -> Side {
+pub(super) fn next(side: Side) -> Side {
     side / 3 * 3 + (side + 1) % 3
 }
 
