@@ -95,6 +95,7 @@ pub mod polygons;
 pub mod progress;
 pub mod raster;
 pub mod scene;
+pub mod sculpt;
 pub mod statistics;
 pub mod volume;
 pub mod voxelize;

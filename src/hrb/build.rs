@@ -39,7 +39,7 @@ const PARTS: usize = 64;
 
 /// What is known of the samples in a node.
 #[derive(Clone, Copy)]
-struct Summary<T: Sample> {
+pub(super) struct Summary<T: Sample> {
     least: T,
     most: T,
     /// Counted only where a tolerance asks for means.
@@ -58,7 +58,7 @@ pub(super) struct Builder<'a, T> {
 }
 
 /// What became of a node, and what is known of its samples, if it has any.
-type Built<T> = (Tree<<T as Sample>::Value>, Option<Summary<T>>);
+pub(super) type Built<T> = (Tree<<T as Sample>::Value>, Option<Summary<T>>);
 
 impl<V: Value> HrbOctree<V> {
     /// The regions of a volume of `size` samples, x fastest.
@@ -113,7 +113,7 @@ impl<T: Sample> Builder<'_, T> {
     }
 
     /// Builds a node of 8³ samples.
-    fn brick(&self, base: [u32; 3]) -> Built<T> {
+    pub(super) fn brick(&self, base: [u32; 3]) -> Built<T> {
         let left = [0, 1, 2].map(|axis| (self.size[axis] - base[axis]).min(SIDE) as usize);
         let row = |y: usize, z: usize| {
             let start = self.index([base[0], base[1] + y as u32, base[2] + z as u32]);

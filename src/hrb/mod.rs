@@ -6,6 +6,7 @@ mod brick;
 mod bricks;
 mod build;
 mod corners;
+mod edit;
 mod evaluate;
 mod octree;
 mod sample;
@@ -13,5 +14,6 @@ mod sample;
 mod tests;
 
 pub use build::{Criterion, Tolerance};
+pub use edit::Samples;
 pub use octree::{HrbOctree, Region, Storage};
 pub use sample::{Fixed8, Sample, Value};

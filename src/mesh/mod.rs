@@ -18,6 +18,7 @@ mod fans;
 mod formula;
 mod grid;
 mod halo;
+mod live;
 mod normals;
 mod quadric;
 mod repair;
@@ -29,9 +30,10 @@ use std::hash::Hasher;
 
 use siphasher::sip128::{Hasher128, SipHasher13};
 
-pub use extract::{Crossing, Extraction, LEAST_PART, extract};
+pub use extract::{BrickMesh, Crossing, EdgeKey, Extraction, LEAST_PART, extract, extract_bricks};
 pub use formula::{FormulaSettings, VertexPlace, of_formula};
 pub use grid::{Border, Brick, Grid, Leaf, SIDE, VOXELS, offset};
+pub use live::LiveMesh;
 
 /// Triangles of one surface, as files hold them.
 #[derive(Clone, Debug, Default, PartialEq)]
