@@ -8,13 +8,14 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 14] = [
+const SECTIONS: [&str; 15] = [
     "version",
     "params",
     "let",
     "surface",
     "model",
     "volume",
+    "sculpture",
     "domain",
     "voxels",
     "camera",

@@ -88,7 +88,9 @@ impl Scene {
     /// Whether its surfaces differ from frame to frame.
     #[must_use]
     pub fn changes(&self) -> bool {
-        self.animation.as_ref().is_some_and(|animation| animation.script.is_some())
+        self.animation.as_ref().is_some_and(|animation| {
+            animation.script.is_some() || self.carvings.iter().any(|carving| carving.is_filmed)
+        })
     }
 
     /// The frame of this number, from 1: a scene without animation, with files of its own. The
@@ -104,12 +106,13 @@ impl Scene {
             warnings: Vec::new(),
             ..self.clone()
         };
+        let time = time(number - 1, self.n_frames());
+        let frame = frame.with_carvings(time);
         let animation = self.animation.as_ref();
         let Some(script) = animation.and_then(|animation| animation.script.as_ref()) else {
             return Ok(frame);
         };
         let Sources { text, settings, .. } = &self.sources;
-        let time = time(number - 1, self.n_frames());
         match script.surfaces(text, settings, time) {
             Ok(surfaces) => Ok(Self { surfaces, ..frame }),
             Err(diagnostics) => {
@@ -121,6 +124,23 @@ impl Scene {
 }
 
 impl Scene {
+    /// The scene with sculptures that are filmed as they are at a time from 0 to 1.
+    fn with_carvings(mut self, time: f64) -> Self {
+        if !self.carvings.iter().any(|carving| carving.is_filmed) {
+            return self;
+        }
+        let (mut models, mut meshes) = (self.models.to_vec(), self.isosurfaces.to_vec());
+        let n = self.carvings.len();
+        let (n_models, n_meshes) = (models.len(), meshes.len());
+        for (i, carving) in self.carvings.iter().enumerate().filter(|(_, it)| it.is_filmed) {
+            let (model, mesh) = carving.at(time);
+            models[n_models - n + i] = model;
+            meshes[n_meshes - n + i] = mesh;
+        }
+        (self.models, self.isosurfaces) = (models.into(), meshes.into());
+        self
+    }
+
     /// Whether nothing else is shown than surfaces of formulas.
     #[must_use]
     pub fn needs_surfaces(&self) -> bool {

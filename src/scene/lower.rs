@@ -103,11 +103,15 @@ impl<'a> Lower<'a> {
         let models = self.models(&spec.models, spec.surfaces.len());
         let n_before = spec.surfaces.len() + spec.models.len();
         let (of_volumes, isosurfaces) = self.volumes(&spec.volumes, n_before);
+        let carvings = self.carvings(&spec.sculptures, n_before + spec.volumes.len());
+        let carved = carvings.iter().map(|carving| carving.at(1.0));
+        let (of_carvings, carved): (Vec<_>, Vec<_>) = carved.unzip();
         Scene {
             name: name.to_owned(),
             surfaces,
-            models: models.into_iter().chain(of_volumes).collect(),
-            isosurfaces: isosurfaces.into(),
+            models: models.into_iter().chain(of_volumes).chain(of_carvings).collect(),
+            isosurfaces: isosurfaces.into_iter().chain(carved).collect(),
+            carvings: carvings.into(),
             domain: self.domain(&spec.domain),
             resolution: self.resolution(&spec.voxels.spec),
             is_auto: is_auto(&spec.voxels.spec),

@@ -21,6 +21,7 @@ mod model;
 mod output;
 mod read;
 mod schema;
+mod sculpture;
 mod spanned;
 mod spec;
 mod surface;
@@ -36,6 +37,7 @@ pub use animation::Animation;
 pub use load::{load, load_with, parse, parse_with};
 pub use lower::MAX_RESOLUTION;
 pub use schema::schema;
+pub use sculpture::Carving;
 
 use crate::{
     diagnostic::{Diagnostic, Sources},
@@ -59,6 +61,8 @@ pub struct Scene {
     pub models: Arc<[Model]>,
     /// The meshes of isosurfaces of volumes, which are among the models too.
     pub isosurfaces: Arc<[Mesh]>,
+    /// What tools carve; its last state is among models and isosurfaces, at their ends.
+    pub carvings: Arc<[Carving]>,
     /// The box that is searched, finite and not empty; one is found where there is none.
     pub domain: Option<Aabb>,
     /// Voxels along the domain's longest axis.

@@ -112,6 +112,11 @@ fn sections(root: DeTable<'_>, source: &str, errors: &mut Vec<Diagnostic>) -> Sc
                 let help = "a volume is written in double brackets";
                 spec.volumes = repeated("[[volume]]", help, value, errors);
             }
+            "sculpture" => {
+                has_surface = true;
+                let help = "a sculpture is written in double brackets";
+                spec.sculptures = repeated("[[sculpture]]", help, value, errors);
+            }
             "light" => {
                 let help = "a light is written in double brackets";
                 spec.lights = repeated("[[light]]", help, value, errors);

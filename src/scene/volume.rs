@@ -183,7 +183,7 @@ impl Lower<'_> {
 }
 
 /// What the rasterizer draws.
-fn polygons(mesh: &Mesh) -> Polygons {
+pub(super) fn polygons(mesh: &Mesh) -> Polygons {
     let wide = |v: &[f32; 3]| glam::DVec3::from_array(v.map(f64::from));
     let of_corner = |v: u32| wide(&mesh.normals[v as usize]);
     Polygons {

@@ -6,6 +6,7 @@
 mod contact;
 mod live;
 mod path;
+mod plan;
 #[cfg(test)]
 mod tests;
 mod tool;
@@ -13,4 +14,5 @@ mod tool;
 pub use contact::{Contact, Moment};
 pub use live::Sculpture;
 pub use path::{Path, Piece};
+pub use plan::{DEPTH, Plan, Stroke};
 pub use tool::{Deed, Falloff, Shape, Tool};
