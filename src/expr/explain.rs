@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use super::{
+    explain_shapes,
     functions::{self, FUNCTIONS, Function},
     names::{self, NAMES},
+    shapes,
 };
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
@@ -22,6 +24,9 @@ pub(super) fn unknown_name(name: &str, span: Range<usize>, defined: &[&str]) -> 
             .label("this is a function")
             .help(format!("write its argument in parentheses: `{name}(…)`"));
     }
+    if let Some(function) = shapes::find(name) {
+        return explain_shapes::bare_shape(function, diagnostic.span);
+    }
     let known: Vec<&str> = defined.iter().copied().chain(NAMES).collect();
     let listed = &known[defined.len().saturating_sub(MAX_LISTED)..];
     let list = format!("known names are {}", listed.join(", "));
@@ -32,8 +37,13 @@ pub(super) fn unknown_name(name: &str, span: Range<usize>, defined: &[&str]) -> 
     })
 }
 
-/// `name` is called, and is no function.
-pub(super) fn unknown_function(name: &str, span: Range<usize>, defined: &[&str]) -> Diagnostic {
+/// `name` is called, and is no function; `is_shape` where shapes are made.
+pub(super) fn unknown_function(
+    name: &str,
+    span: Range<usize>,
+    defined: &[&str],
+    is_shape: bool,
+) -> Diagnostic {
     if names::exists(name) || defined.contains(&name) {
         return Diagnostic::new(span, format!("unknown function `{name}`"))
             .label("this is a value, not a function")
@@ -49,9 +59,15 @@ pub(super) fn unknown_function(name: &str, span: Range<usize>, defined: &[&str])
     if let Some((_, here)) = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name) {
         return diagnostic.help(format!("write `{here}`"));
     }
+    if let Some(here) = explain_shapes::elsewhere(name) {
+        return diagnostic.help(format!("write `{here}`"));
+    }
     let known: Vec<&str> = FUNCTIONS.iter().map(|function| function.name).collect();
-    diagnostic.help(match meant(name, &known) {
+    let shapes = shapes::FUNCTIONS.iter().map(|function| function.name);
+    let all: Vec<&str> = known.iter().copied().chain(shapes).collect();
+    diagnostic.help(match meant(name, &all) {
         Some(candidate) => format!("did you mean `{candidate}`?"),
+        None if is_shape => explain_shapes::known_shapes(),
         None => format!("known functions are {}", known.join(", ")),
     })
 }

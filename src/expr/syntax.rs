@@ -3,7 +3,10 @@
 
 use std::ops::Range;
 
-use super::lex::{Kind, Token};
+use super::{
+    BinaryOp,
+    lex::{Kind, Token},
+};
 use crate::diagnostic::Diagnostic;
 
 /// A formula and its tokens, to quote from.
@@ -67,6 +70,18 @@ impl Quote<'_> {
         .help(help)
     }
 
+    /// `&` or `∪` in a formula.
+    pub(super) fn sign_of_shapes(&self, sign: &Token, op: BinaryOp) -> Diagnostic {
+        let help = match op {
+            BinaryOp::Intersection => {
+                "write `max(a, b)`: an intersection is negative where both are; `shape = \"…\"` takes `&`"
+            }
+            _ => "write `min(a, b)`: a union is negative where either is; `shape = \"…\"` takes `|`",
+        };
+        let message = format!("`{}` cannot stand in a formula", self.of(sign));
+        Diagnostic::new(sign.span.clone(), message).label("unexpected here").help(help)
+    }
+
     /// An equation or a comparison as a part of something.
     pub(super) fn relation_in_brackets(&self, sign: Range<usize>) -> Diagnostic {
         let text = &self.text[sign.clone()];
@@ -85,6 +100,20 @@ impl Quote<'_> {
                 help
             })
     }
+}
+
+/// A name after a point that is not called.
+pub(super) fn no_method(span: Range<usize>, name: &str) -> Diagnostic {
+    Diagnostic::new(span, format!("`.{name}` lacks its parentheses"))
+        .label("what is done to the shape before it?")
+        .help(format!("write `.{name}(…)`, as in sphere(1).translate(0, 0, 2)"))
+}
+
+/// `a || b`
+pub(super) fn double_bar(span: Range<usize>) -> Diagnostic {
+    Diagnostic::new(span, "`||` stands between shapes")
+        .label("one too many")
+        .help("write `|` once; it makes the union")
 }
 
 /// The formula ends, or the bracket around this one closes, before `open` does.
