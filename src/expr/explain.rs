@@ -16,8 +16,14 @@ const MAX_WORD: usize = 24;
 /// More definitions than this are not listed.
 const MAX_LISTED: usize = 12;
 
-/// `name` stands for no value; `defined` are the names that the scene defines.
-pub(super) fn unknown_name(name: &str, span: Range<usize>, defined: &[&str]) -> Diagnostic {
+/// `name` stands for no value; `defined` are the names that the scene defines; `is_shape` where shapes
+/// are made.
+pub(super) fn unknown_name(
+    name: &str,
+    span: Range<usize>,
+    defined: &[&str],
+    is_shape: bool,
+) -> Diagnostic {
     let diagnostic = Diagnostic::new(span, format!("unknown name `{name}`"));
     if functions::exists(name) {
         return diagnostic
@@ -33,6 +39,9 @@ pub(super) fn unknown_name(name: &str, span: Range<usize>, defined: &[&str]) -> 
     diagnostic.label("not known here").help(match (product(name, &known), meant(name, &known)) {
         (Some(product), _) => format!("write `{product}` for a product"),
         (None, Some(candidate)) => format!("did you mean `{candidate}`? {list}"),
+        (None, None) if is_shape => {
+            format!("{list}; others are defined in [params], [let] or [shapes]")
+        }
         (None, None) => format!("{list}; others are defined in [params] or [let]"),
     })
 }
@@ -56,10 +65,14 @@ pub(super) fn unknown_function(
     }
     let diagnostic =
         Diagnostic::new(span, format!("unknown function `{name}`")).label("not known here");
+    let shape = explain_shapes::elsewhere(name);
+    if let Some(here) = shape.as_ref().filter(|_| is_shape) {
+        return diagnostic.help(format!("write `{here}`"));
+    }
     if let Some((_, here)) = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name) {
         return diagnostic.help(format!("write `{here}`"));
     }
-    if let Some(here) = explain_shapes::elsewhere(name) {
+    if let Some(here) = shape {
         return diagnostic.help(format!("write `{here}`"));
     }
     let known: Vec<&str> = FUNCTIONS.iter().map(|function| function.name).collect();

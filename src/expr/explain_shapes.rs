@@ -22,7 +22,7 @@ pub(super) fn known_shapes() -> String {
 }
 
 /// What other languages call shapes and what is done to them, and how it is written here.
-const ELSEWHERE: [(&str, &str); 40] = [
+const ELSEWHERE: [(&str, &str); 44] = [
     ("cube", "box"),
     ("cuboid", "box"),
     ("rounded_box", "box"),
@@ -36,6 +36,10 @@ const ELSEWHERE: [(&str, &str); 40] = [
     ("capped_cone", "cone"),
     ("pill", "capsule"),
     ("donut", "torus"),
+    ("circle", "cyl_z"),
+    ("square", "box"),
+    ("rect", "box"),
+    ("rectangle", "box"),
     ("slab", "plane"),
     ("halfspace", "half_space"),
     ("linear_extrude", "extrude"),
@@ -92,6 +96,13 @@ pub(super) fn shape_and_value(span: Range<usize>) -> Diagnostic {
         )
 }
 
+/// `a + b` and `a*b` of shapes.
+pub(super) fn arithmetic(span: Range<usize>) -> Diagnostic {
+    Diagnostic::new(span, "shapes are not added or multiplied")
+        .label("both sides are shapes")
+        .help("write `|` for their union, `&` for their intersection")
+}
+
 /// `a | b - c`
 pub(super) fn order_of_sets(span: Range<usize>, sign: &str) -> Diagnostic {
     Diagnostic::new(span, "this can be read in two ways")
@@ -101,9 +112,9 @@ pub(super) fn order_of_sets(span: Range<usize>, sign: &str) -> Diagnostic {
 
 /// A number where a shape is joined.
 pub(super) fn no_shape(span: Range<usize>) -> Diagnostic {
-    Diagnostic::new(span, "this is a number, not a shape")
-        .label("the same everywhere")
-        .help("write a shape, such as sphere(1), or a formula in x, y and z that is negative inside")
+    Diagnostic::new(span, "this is a number, not a shape").label("the same everywhere").help(
+        "write a shape, such as sphere(1), or a formula in x, y and z that is negative inside",
+    )
 }
 
 pub(super) fn equation_for_shape(span: Range<usize>) -> Diagnostic {
@@ -159,7 +170,8 @@ pub(super) fn too_large(span: Range<usize>) -> Diagnostic {
 
 pub(super) fn unknown_argument(function: &Function, name: &str, span: Range<usize>) -> Diagnostic {
     let known: Vec<&str> = function.parameters.iter().map(|&(name, _)| name).collect();
-    let hint = match meant(name, &known) {
+    let begun = known.iter().copied().find(|known| known.starts_with(name));
+    let hint = match begun.or_else(|| meant(name, &known)) {
         Some(meant) => format!("did you mean `{meant}`? "),
         None => String::new(),
     };
@@ -183,8 +195,10 @@ pub(super) fn after_names(function: &Function, span: Range<usize>) -> Diagnostic
 pub(super) fn too_many(function: &Function, span: Range<usize>, found: usize) -> Diagnostic {
     let n = function.parameters.iter().filter(|(_, kind)| *kind != Kind::Named).count();
     let named = function.parameters.iter().find(|(_, kind)| *kind == Kind::Named);
-    let hint = named.map_or(String::new(), |(name, _)| format!("; give others by name, `{name} = …`"));
-    Diagnostic::new(span, format!("`{}` takes {n} arguments at most, not {found}", function.name))
+    let hint =
+        named.map_or(String::new(), |(name, _)| format!("; give others by name, `{name} = …`"));
+    let s = if n == 1 { "" } else { "s" };
+    Diagnostic::new(span, format!("`{}` takes {n} argument{s} at most, not {found}", function.name))
         .help(format!("{}{hint}", write_so(function)))
 }
 
@@ -196,5 +210,7 @@ pub(super) fn missing_argument(function: &Function, name: &str, span: Range<usiz
 pub(super) fn no_length(name: &str, span: Range<usize>, why: &str) -> Diagnostic {
     Diagnostic::new(span, format!("lengths in `{name}` are not true: {why}"))
         .label("larger or smaller than written")
-        .help("formulas, twists and uneven scales have no distances; do this before them if you can")
+        .help(
+            "formulas, twists and uneven scales have no distances; do this before them if you can",
+        )
 }

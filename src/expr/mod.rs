@@ -56,7 +56,7 @@ impl Expr {
     /// not constant. All definitions are checked, used or not, so that a mistake in one is found
     /// with every formula. The list is empty only if the formula needs a definition whose tree is.
     pub fn resolve(ast: &Ast, definitions: &[Definition]) -> Result<Resolved, Vec<Mistake>> {
-        resolve::resolve(ast, definitions, false)
+        resolve::resolve(ast, definitions)
     }
 
     /// As [`Self::resolve`], for a shape that [`parse_shape`] read: negative inside.
@@ -64,7 +64,7 @@ impl Expr {
     /// # Errors
     /// As [`Self::resolve`]; also if it is a number or an equation.
     pub fn resolve_shape(ast: &Ast, definitions: &[Definition]) -> Result<Resolved, Vec<Mistake>> {
-        resolve::resolve(ast, definitions, true)
+        resolve::resolve_shape(ast, definitions)
     }
 
     /// Reads a function graph in the text format of libfive and Fidget (`.vm`): one operation a line,

@@ -43,7 +43,12 @@ pub fn parse_shape(text: &str) -> Result<Ast, Vec<Diagnostic>> {
 }
 
 fn parse_as(text: &str, is_shape: bool) -> Result<Ast, Vec<Diagnostic>> {
-    let tokens = lex(text)?;
+    let tokens = lex(text).map_err(|mistakes| match is_shape {
+        true => {
+            mistakes.into_iter().map(|mistake| syntax::without_vectors(mistake, text)).collect()
+        }
+        false => mistakes,
+    })?;
     let (nodes, stack) = (Vec::new(), Vec::new());
     let mut parser = Parser { text, is_shape, tokens, at: 0, nodes, stack, depth: 0 };
     match parser.formula() {
@@ -244,8 +249,10 @@ impl Parser<'_> {
                 return Err(self.quote().sign_of_shapes(&token, op));
             }
             Kind::Op(op) => {
-                if op == BinaryOp::Pow {
-                    self.check_power(&operand, &token)?;
+                match op {
+                    BinaryOp::Pow => self.check_power(&operand, &token)?,
+                    BinaryOp::Intersection => self.check_single(&token)?,
+                    _ => {}
                 }
                 self.infix(op, operand);
                 return Ok(After::Operator);
@@ -256,9 +263,7 @@ impl Parser<'_> {
             }
             Kind::Bar if self.closes_bars() => {}
             Kind::Bar if self.is_shape => {
-                if self.peek() == Kind::Bar && self.tokens[self.at].span.start == token.span.end {
-                    return Err(syntax::double_bar(token.span.start..token.span.end + 1));
-                }
+                self.check_single(&token)?;
                 self.infix(BinaryOp::Union, operand);
                 return Ok(After::Operator);
             }
@@ -282,6 +287,16 @@ impl Parser<'_> {
             }
             _ => self.finish(&operand).map(|()| After::End),
         }
+    }
+
+    /// Refuses a sign between shapes that is written twice.
+    fn check_single(&self, sign: &Token) -> Result<(), Diagnostic> {
+        let next = &self.tokens[self.at];
+        if next.kind == sign.kind && next.span.start == sign.span.end {
+            let span = sign.span.start..next.span.end;
+            return Err(syntax::double_sign(span, &self.text[sign.span.clone()]));
+        }
+        Ok(())
     }
 
     /// Begins an operation with its left operand.

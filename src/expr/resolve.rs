@@ -51,7 +51,19 @@ pub enum Relation {
 }
 
 /// Resolves `ast` with `definitions`. See [`Expr::resolve`].
-pub(super) fn resolve(
+pub(super) fn resolve(ast: &Ast, definitions: &[Definition]) -> Result<Resolved, Vec<Mistake>> {
+    resolve_as(ast, definitions, false)
+}
+
+/// Resolves a shape. See [`Expr::resolve_shape`].
+pub(super) fn resolve_shape(
+    ast: &Ast,
+    definitions: &[Definition],
+) -> Result<Resolved, Vec<Mistake>> {
+    resolve_as(ast, definitions, true)
+}
+
+fn resolve_as(
     ast: &Ast,
     definitions: &[Definition],
     is_shape: bool,
@@ -256,7 +268,8 @@ impl Resolver<'_> {
             // A definition that is not lowered yet is in a cycle, which was complained about.
             if self.definitions.find(name).is_none() && self.mistakes.len() < MAX_MISTAKES {
                 let defined = self.definitions.names();
-                self.complain(text, explain::unknown_name(name, span.clone(), &defined));
+                let is_shape = self.makes_shape(text);
+                self.complain(text, explain::unknown_name(name, span.clone(), &defined, is_shape));
             }
             return self.stand_in();
         };

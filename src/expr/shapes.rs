@@ -253,7 +253,8 @@ const LATTICE: &[(&str, Kind)] = &[
     ("skeletal", Kind::Named),
 ];
 
-const AXIS: &[(&str, Kind)] = &[("radius", N), ("height", Kind::Optional), ("round", Kind::Or(0.0))];
+const AXIS: &[(&str, Kind)] =
+    &[("radius", N), ("height", Kind::Optional), ("round", Kind::Or(0.0))];
 const TURN: &[(&str, Kind)] = &[("a", S), ("degrees", N)];
 
 /// All functions that make shapes, in the order in which they are listed to the user.

@@ -42,7 +42,9 @@ mod tests {
         let sum = g.binary(Binary::Sub, x, y);
         // x and y change places: neither is replaced twice.
         let [swapped] = g.substitute([sum], [y, x, z]);
-        assert!(matches!(g.nodes()[swapped as usize], Node::Binary(Binary::Sub, a, b) if (a, b) == (y, x)));
+        assert!(
+            matches!(g.nodes()[swapped as usize], Node::Binary(Binary::Sub, a, b) if (a, b) == (y, x))
+        );
         let three = g.constant(Constant::exact(3.0));
         let [constant] = g.substitute([sum], [three, three, z]);
         assert_eq!(g.nodes()[constant as usize].constant(), Some(&Constant::exact(0.0)));

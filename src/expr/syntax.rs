@@ -76,7 +76,9 @@ impl Quote<'_> {
             BinaryOp::Intersection => {
                 "write `max(a, b)`: an intersection is negative where both are; `shape = \"…\"` takes `&`"
             }
-            _ => "write `min(a, b)`: a union is negative where either is; `shape = \"…\"` takes `|`",
+            _ => {
+                "write `min(a, b)`: a union is negative where either is; `shape = \"…\"` takes `|`"
+            }
         };
         let message = format!("`{}` cannot stand in a formula", self.of(sign));
         Diagnostic::new(sign.span.clone(), message).label("unexpected here").help(help)
@@ -109,11 +111,19 @@ pub(super) fn no_method(span: Range<usize>, name: &str) -> Diagnostic {
         .help(format!("write `.{name}(…)`, as in sphere(1).translate(0, 0, 2)"))
 }
 
-/// `a || b`
-pub(super) fn double_bar(span: Range<usize>) -> Diagnostic {
-    Diagnostic::new(span, "`||` stands between shapes")
+/// `a || b` and `a && b`
+pub(super) fn double_sign(span: Range<usize>, sign: &str) -> Diagnostic {
+    Diagnostic::new(span, format!("`{sign}{sign}` stands between shapes"))
         .label("one too many")
-        .help("write `|` once; it makes the union")
+        .help(format!("write `{sign}` once"))
+}
+
+/// A foreign sign in a shape, with what to write for the brackets of a vector.
+pub(super) fn without_vectors(mistake: Diagnostic, text: &str) -> Diagnostic {
+    match text.get(mistake.span.clone()) {
+        Some("[" | "]") => mistake.help("write the numbers alone, as in a.translate(1, 0, 0)"),
+        _ => mistake,
+    }
 }
 
 /// The formula ends, or the bracket around this one closes, before `open` does.

@@ -167,7 +167,9 @@ impl Lower<'_> {
             Some(name) if self.definitions.iter().any(|known| known.name == name) => {
                 Diagnostic::new(entry.span.clone(), format!("`{name}` is defined twice"))
                     .label("the second one")
-                    .help("names of [params], [let] and [shapes] must differ, also in included files")
+                    .help(
+                        "names of [params], [let] and [shapes] must differ, also in included files",
+                    )
             }
             Some(name) => return Some(name),
         };

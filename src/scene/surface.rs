@@ -84,7 +84,9 @@ impl Lower<'_> {
             (None, None, Some(blend), None) => {
                 Some(turned(self.blend(&blend.get_ref().0), spec, Inside::Positive))
             }
-            (None, None, None, Some(file)) => Some(turned(self.graph(file)?, spec, Inside::Negative)),
+            (None, None, None, Some(file)) => {
+                Some(turned(self.graph(file)?, spec, Inside::Negative))
+            }
             (None, None, None, None) if section.is_damaged => None,
             (None, None, None, None) => {
                 self.errors.push(

@@ -6,8 +6,7 @@ use super::{Lowered, Resolver};
 use crate::{
     diagnostic::Diagnostic,
     expr::{
-        Ast, BinaryOp, DefinitionKind, Node as AstNode, NodeId,
-        explain, explain_shapes, lex,
+        Ast, BinaryOp, DefinitionKind, Node as AstNode, NodeId, explain, explain_shapes, lex,
         shapes::{self, Argument, Build, Function, Kind, Number, Solid, sets},
     },
 };
@@ -44,6 +43,10 @@ impl Resolver<'_> {
             (BinaryOp::Sub, true, true) => sets::without,
             (BinaryOp::Sub, true, false) | (BinaryOp::Sub, false, true) if !is_damaged => {
                 self.complain(text, explain_shapes::shape_and_value(span.clone()));
+                return Some(self.stand_in());
+            }
+            (_, true, true) if !is_damaged => {
+                self.complain(text, explain_shapes::arithmetic(span.clone()));
                 return Some(self.stand_in());
             }
             _ => return None,
@@ -140,7 +143,9 @@ impl Resolver<'_> {
                 Kind::Solid | Kind::Solids => {
                     let solid = |&node: &NodeId| {
                         let solid = parts[node as usize].as_solid();
-                        solid.ok_or_else(|| explain_shapes::number_for_shape(function, name, place(node)))
+                        solid.ok_or_else(|| {
+                            explain_shapes::number_for_shape(function, name, place(node))
+                        })
                     };
                     Argument::Solids(nodes.iter().map(solid).collect::<Result<_, _>>()?)
                 }
@@ -148,7 +153,12 @@ impl Resolver<'_> {
                     Some(&node) => {
                         let part = &parts[node as usize];
                         if part.varies {
-                            return Err(explain_shapes::no_number(function, name, place(node), part.solid.is_some()));
+                            return Err(explain_shapes::no_number(
+                                function,
+                                name,
+                                place(node),
+                                part.solid.is_some(),
+                            ));
                         }
                         let value = self.values.at(&self.graph, part.id);
                         if !value.is_finite() {

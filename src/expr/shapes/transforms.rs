@@ -2,11 +2,15 @@
 //! from: coordinates are replaced by what the inverse makes of them.
 
 use super::{
-    Build, Complaint, Number, Solid, complaint, exact, min,
+    Build, Complaint, Number, Solid, complaint, exact, max, min,
     primitives::{direction, dot},
 };
 use crate::{
-    expr::graph::{Graph, Id},
+    expr::{
+        graph::{Graph, Id},
+        names::length,
+        values::over_box,
+    },
     math::{Constant, Wave},
 };
 
@@ -80,8 +84,37 @@ pub(super) fn twist(b: &mut Build<'_>, axis: usize) -> Result<Solid, Complaint> 
     let angle = b.g.mul(height, rate);
     let (sin, cos) = (b.g.wave(Wave::Sin, angle), b.g.wave(Wave::Cos, angle));
     let before = turned_back(b, axis, sin, cos);
-    let solid = b.solid(0).at(b.g, before);
+    let reach = reach(b.g, b.solid(0), axis);
+    let mut solid = b.solid(0).at(b.g, before);
+    if let Some(reach) = reach {
+        // Far out, boxes hold all angles: that the shape does not get there must be said.
+        let mut across = b.coordinates().to_vec();
+        across.remove(axis);
+        let rho = length(&across, b.g);
+        let reach = exact(b.g, reach);
+        let beyond = b.g.sub(rho, reach);
+        solid = solid.map(|field| max(b.g, field, beyond));
+    }
     Ok(Solid { is_metric: solid.is_metric && degrees.value == 0.0, ..solid })
+}
+
+/// How far a shape is proven to reach from an axis at most, if it is.
+fn reach(g: &Graph, solid: Solid, axis: usize) -> Option<f64> {
+    const ALL: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+    let ends_before = |reach: f64| {
+        let sides = [(reach, f64::INFINITY), (f64::NEG_INFINITY, -reach)];
+        [(axis + 1) % 3, (axis + 2) % 3].into_iter().all(|across| {
+            sides.into_iter().all(|side| {
+                let mut place = [ALL; 3];
+                place[across] = side;
+                over_box(g, solid.surface, place) > 0.0
+            })
+        })
+    };
+    // Steps of √2, up to what a scene is searched for.
+    let steps: Vec<f64> = (-40..=40).map(|n| libm::exp2(f64::from(n) / 2.0)).collect();
+    let square = steps.get(steps.partition_point(|&reach| !ends_before(reach)))?;
+    Some(square * 1.5)
 }
 
 /// By one factor, or by one along each axis.
