@@ -7,13 +7,13 @@ use std::{f64::consts::PI, path::Path};
 use glam::DVec3;
 use proptest::prelude::*;
 use zeroset::{
-    eval::{Sample, sampler},
+    eval::sampler,
     expr::{Expr, parse_shape},
     math::{Lattice, SimdLevel},
     mesh::{Border, FormulaSettings, Health, Shape, VertexPlace, of_formula},
     pipeline,
     progress::Unwatched,
-    scene,
+    scene::{self, Scene},
     voxelize::{Settings, voxelize},
 };
 
@@ -31,13 +31,16 @@ fn values(shape: &str, points: &[DVec3]) -> Vec<f64> {
 fn measured(shape: &str, resolution: u32) -> Shape {
     let text = format!("version = 1\n[[surface]]\nshape = '{shape}'\n");
     let scene = scene::parse(Path::new("shape.toml"), &text).unwrap();
-    let lattice: Lattice = pipeline::lattice(&scene, Some(resolution));
+    measured_on(&scene, &pipeline::lattice(&scene, Some(resolution)))
+}
+
+fn measured_on(scene: &Scene, lattice: &Lattice) -> Shape {
     let expr = &scene.surfaces[0].expr;
-    let found = voxelize(expr, &lattice, &Settings::default(), &Unwatched).unwrap();
+    let found = voxelize(expr, lattice, &Settings::default(), &Unwatched).unwrap();
     let (border, vertex) = (Border::Open, VertexPlace::Polished);
     let settings = FormulaSettings { border, vertex, simd: SimdLevel::detect() };
-    let mesh = of_formula(&expr.tape(), &found.octree, &lattice, &settings);
-    assert_eq!(mesh.health(), Health::default(), "{shape}");
+    let mesh = of_formula(&expr.tape(), &found.octree, lattice, &settings);
+    assert_eq!(mesh.health(), Health::default(), "{}", scene.sources.text);
     mesh.shape()
 }
 
@@ -72,7 +75,7 @@ fn known() -> Vec<(&'static str, f64, f64)> {
         ("capsule(0.5, 1)", 0.25 * PI + BALL / 8.0, 2.0 * PI),
         ("torus(1, 0.3)", 2.0 * PI * PI * 0.09, 4.0 * PI * PI * 0.3),
         ("half_space(0, 0, 1) & sphere(1)", BALL / 2.0, 3.0 * PI),
-        ("half_space(3, 4, 0, 0.5) & sphere(1)", PI * 1.5 * 1.5 * 1.5 / 2.0, PI * 3.75),
+        ("half_space(3, 4, 0, 0.5) & sphere(1)", BALL * 27.0 / 32.0, PI * 3.75),
         ("plane(0, 0, 1, 0.2, 0.1) & box(1)", 0.2, 2.8),
         ("extrude(x^2 + 4*y^2 - 1, 1)", PI / 2.0, PI + 4.844_224_110_273_838),
         ("revolve((x - 1)^2 + y^2 - 0.09)", 2.0 * PI * PI * 0.09, 4.0 * PI * PI * 0.3),
@@ -86,7 +89,7 @@ fn known() -> Vec<(&'static str, f64, f64)> {
         ("box(1, 2, 3).rotate(20, 30, 40).translate(1, 2, 3)", 6.0, 22.0),
         ("sphere(0.2).repeat_x(0.5, 4)", 4.0 * BALL * 0.008, 16.0 * PI * 0.04),
         ("sphere(0.2).translate(0.1, 0, 0).repeat_x(0.5, 3)", 3.0 * BALL * 0.008, 12.0 * PI * 0.04),
-        ("box(0.6).repeat_x(0.4, 2).repeat_y(1, 2)", 2.0 * 0.36, 2.0 * 4.8),
+        ("box(0.6).repeat_x(0.4, 2).repeat_y(1, 2)", 2.0 * 0.36, 2.0 * 3.12),
         (
             "union(half_space(0, 0, 1), half_space(1, 0, 0), r = 0.3) & box(1)",
             0.75 + (1.0 - PI / 4.0) * 0.09,
@@ -149,6 +152,17 @@ fn walls_are_as_thick_as_they_should_be() {
             assert!((volume / want - 1.0).abs() < 0.015, "{name} {t}: {volume} for {want}");
         }
     }
+}
+
+/// The scene of README: a fifth of a cube of 20 mm.
+#[test]
+fn the_printed_lattice_is_closed_and_weighs_what_it_should() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/lattice.toml");
+    let scene = scene::load(&path).unwrap();
+    let lattice = pipeline::lattice(&scene, None);
+    let found = measured_on(&scene, &lattice);
+    assert!((found.volume / 1600.0 - 1.0).abs() < 3e-3, "{found:?}");
+    assert_eq!(found.components, 1);
 }
 
 /// Shapes whose `distance` is promised to be the signed distance.
