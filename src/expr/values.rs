@@ -1,6 +1,6 @@
 //! Values of a graph at hand: of its parts that need no coordinates, and bounds over a box.
 
-use super::graph::{Graph, Id, Node};
+use super::graph::{Graph, Id, Node, prune};
 use crate::math::{Constant, Interval, Notes, Number, Point};
 
 /// Point values of the nodes of a growing graph, each computed once. Coordinates are NaN.
@@ -44,7 +44,9 @@ impl PointValues {
 pub(super) fn over_box(graph: &Graph, root: Id, place: [(f64, f64); 3]) -> f64 {
     let mut values: Vec<Interval<f64>> = Vec::new();
     let mut notes = [Notes::clear::<f64>(())];
-    for node in &graph.nodes()[..=root as usize] {
+    // Other parts of the graph may be undefined there.
+    let (nodes, roots) = prune(graph.nodes(), &[root]);
+    for node in &nodes {
         let zero = Interval { lo: 0.0, hi: 0.0 };
         let mut slots = [[zero]; 2];
         for (slot, operand) in slots.iter_mut().zip(node.operands()) {
@@ -61,6 +63,5 @@ pub(super) fn over_box(graph: &Graph, root: Id, place: [(f64, f64); 3]) -> f64 {
         }
         values.push(slots[0][0]);
     }
-    // A note of any other part of the graph costs a proof, never the truth.
-    if notes[0].partial { f64::NEG_INFINITY } else { values[root as usize].lo }
+    if notes[0].partial { f64::NEG_INFINITY } else { values[roots[0] as usize].lo }
 }

@@ -66,8 +66,8 @@ impl Named {
     }
 
     /// The same entries, read as shapes.
-    pub(super) fn as_shapes(self) -> Self {
-        let shape = |entry: Entry| Entry { formula: entry.formula.as_shape(), ..entry };
+    pub(super) fn into_shapes(self) -> Self {
+        let shape = |entry: Entry| Entry { formula: entry.formula.into_shape(), ..entry };
         Self(self.0.into_iter().map(shape).collect())
     }
 

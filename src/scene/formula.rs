@@ -42,7 +42,7 @@ impl Formula {
     }
 
     /// The same text, read as a shape.
-    pub(super) fn as_shape(self) -> Self {
+    pub(super) fn into_shape(self) -> Self {
         Self { is_shape: true, ..self }
     }
 

@@ -155,7 +155,7 @@ impl<'a> Includes<'a> {
                 "version" => {}
                 "params" => self.params.include(read("[params]", value)),
                 "let" => self.lets.include(read("[let]", value)),
-                "shapes" => self.shapes.include(read("[shapes]", value).as_shapes()),
+                "shapes" => self.shapes.include(read("[shapes]", value).into_shapes()),
                 "include" => included = file_names(value, errors),
                 other => errors.push(
                     Diagnostic::new(key.span(), format!("`{other}` stands in an included file"))

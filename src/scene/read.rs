@@ -118,7 +118,7 @@ fn sections(root: DeTable<'_>, source: &str, errors: &mut Vec<Diagnostic>) -> Sc
             }
             "params" => spec.params = names("[params]", value, source, errors),
             "let" => spec.lets = names("[let]", value, source, errors),
-            "shapes" => spec.shapes = names("[shapes]", value, source, errors).as_shapes(),
+            "shapes" => spec.shapes = names("[shapes]", value, source, errors).into_shapes(),
             "include" => spec.include = file_names(value, errors),
             "domain" => spec.domain = section("[domain]", value, errors),
             "voxels" => spec.voxels = section("[voxels]", value, errors),

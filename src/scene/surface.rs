@@ -77,7 +77,7 @@ impl Lower<'_> {
                 Some(turned(resolved.expr, spec, Inside::Negative))
             }
             (None, Some(shape), None, None) => {
-                let formula = self.formula(shape).as_shape();
+                let formula = self.formula(shape).into_shape();
                 self.no_inside(spec.inside.as_ref(), "a shape");
                 Some(self.resolve(&formula)?.expr)
             }
