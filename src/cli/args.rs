@@ -83,6 +83,10 @@ struct Input {
     #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
 
+    /// Let scenes include files from outside their folders
+    #[arg(long)]
+    allow_outside: bool,
+
     /// Show no progress, warnings and summary; only mistakes and failures
     #[arg(long, short, display_order = 100)]
     quiet: bool,
@@ -193,6 +197,8 @@ pub(super) struct Scenes {
     pub(super) paths: Vec<PathBuf>,
     /// Each `name=value`.
     pub(super) settings: Vec<String>,
+    /// Whether files outside a scene's folder may be included.
+    pub(super) allow_outside: bool,
     pub(super) quiet: bool,
 }
 
@@ -244,7 +250,12 @@ fn measure(args: YieldArgs) -> Plan {
 }
 
 fn scenes(input: Input) -> Scenes {
-    Scenes { paths: input.scenes, settings: input.set, quiet: input.quiet }
+    Scenes {
+        paths: input.scenes,
+        settings: input.set,
+        allow_outside: input.allow_outside,
+        quiet: input.quiet,
+    }
 }
 
 fn completions(shell: Shell) -> Vec<u8> {

@@ -34,7 +34,7 @@ pub fn run() -> ExitCode {
 /// Looks for mistakes in every scene; the worst exit code counts.
 fn check(scenes: &Scenes) -> u8 {
     let check = |path: &Path| -> Result<()> {
-        let scene = scene::load_with(path, &scenes.settings)?;
+        let scene = scene::load_with(path, &scenes.settings, scenes.allow_outside)?;
         pipeline::check(&scene)?;
         if !scenes.quiet {
             report::warnings(&scene);

@@ -66,7 +66,7 @@ impl Session {
 
     fn render(&mut self, path: &Path) -> Result<()> {
         let start = Instant::now();
-        let scene = scene::load_with(path, &self.scenes.settings)?;
+        let scene = scene::load_with(path, &self.scenes.settings, self.scenes.allow_outside)?;
         if !self.scenes.quiet {
             report::warnings(&scene);
         }

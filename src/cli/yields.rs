@@ -32,7 +32,7 @@ pub(super) fn measure(scenes: &Scenes, measurement: &Measurement) -> u8 {
     let watch = Watch::new(!scenes.quiet && report::is_terminal());
     let mut worst = 0;
     for path in &scenes.paths {
-        let measured = scene::load_with(path, &scenes.settings)
+        let measured = scene::load_with(path, &scenes.settings, scenes.allow_outside)
             .and_then(|scene| measure_one(&scene, measurement, &watch));
         watch.clear();
         if let Err(error) = measured {

@@ -162,11 +162,17 @@ fn evaluate<N: Number<Lanes = f64>>(node: Node, operands: &[Constant; 2]) -> (N,
 /// multiply-add that finds no remainder.
 fn exact_result(node: Node, operands: &[Constant; 2]) -> Option<f64> {
     let [a, b] = operands.map(|c| c.as_exact());
+    if let Node::Binary(Binary::Mul, ..) = node
+        && (a == Some(0.0) || b == Some(0.0))
+    {
+        return Some(0.0);
+    }
     let a = a?;
     let without_remainder = |v: f64, remainder: f64| {
         (v.is_finite() && v.abs() > 1e-200 && remainder == 0.0).then_some(v)
     };
     match node {
+        Node::Unary(Unary::Square | Unary::Sqrt, _) if a == 0.0 => Some(0.0),
         Node::Unary(Unary::Neg, _) => Some(-a),
         Node::Unary(Unary::Abs, _) => Some(a.abs()),
         Node::Unary(Unary::Square, _) => without_remainder(a * a, libm::fma(a, a, -(a * a))),
@@ -476,6 +482,15 @@ mod tests {
             let c = *g.node(id).constant().unwrap();
             assert!(c.lo < c.hi, "{c:?}");
         }
+    }
+
+    #[test]
+    fn zeros_stay_exact() {
+        let mut g = Graph::default();
+        let (zero, third) = (exact(&mut g, 0.0), exact(&mut g, 3.0));
+        let third = g.unary(Unary::Recip, third);
+        let (square, root) = (g.powi(zero, 2), g.unary(Unary::Sqrt, zero));
+        assert_eq!([square, root, g.mul(third, zero)], [zero; 3]);
     }
 
     #[test]

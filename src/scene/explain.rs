@@ -8,10 +8,12 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 15] = [
+const SECTIONS: [&str; 17] = [
     "version",
     "params",
     "let",
+    "shapes",
+    "include",
     "surface",
     "model",
     "volume",
@@ -41,7 +43,7 @@ pub(super) fn unknown_section(key: &str, span: Range<usize>) -> Diagnostic {
 /// Where a key belongs that people write without its section.
 fn place_of(key: &str) -> Option<&'static str> {
     Some(match key {
-        "f" | "blend" | "file" | "inside" | "color" | "back_color" => "[[surface]]",
+        "f" | "shape" | "blend" | "file" | "inside" | "color" | "back_color" => "[[surface]]",
         "clip" | "cap" => "[domain], for all surfaces, or below a [[surface]]",
         "min" | "max" => "[domain]",
         "resolution" => "[voxels]",

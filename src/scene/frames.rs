@@ -25,6 +25,7 @@ pub(super) struct Script {
     pub(super) spec: SceneSpec,
     pub(super) folder: Option<PathBuf>,
     pub(super) tracks: Vec<Track>,
+    pub(super) n_included: usize,
     pub(super) graphs: Vec<(Model, Option<Expr>)>,
 }
 
@@ -38,6 +39,7 @@ impl Script {
     ) -> std::result::Result<Vec<Surface>, Vec<Diagnostic>> {
         let mut lower = Lower::new(source, settings, self.folder.as_deref(), Vec::new());
         lower.tracks.clone_from(&self.tracks);
+        lower.n_included = self.n_included;
         lower.graphs.clone_from(&self.graphs);
         let surfaces = lower.surfaces_of_frame(&self.spec, time);
         if lower.errors.is_empty() { Ok(surfaces) } else { Err(lower.errors) }
@@ -71,6 +73,7 @@ impl Lower<'_> {
             spec,
             folder: self.folder.map(Path::to_owned),
             tracks: self.tracks.clone(),
+            n_included: self.n_included,
             graphs: self.graphs.clone(),
         };
         self.errors = script.mistakes(self.source, self.settings, animation.n_frames);

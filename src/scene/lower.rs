@@ -64,6 +64,8 @@ pub(super) struct Lower<'a> {
     pub(super) formulas: Vec<Formula>,
     /// Mistakes of definitions that were noted: index, place, message.
     pub(super) noted: HashSet<(usize, usize, String)>,
+    /// How many files were included; their texts come before those of `graphs`.
+    pub(super) n_included: usize,
     /// The files that were read, with what they mean, unless something is wrong with them.
     pub(super) graphs: Vec<(Model, Option<Expr>)>,
     /// Whether a picture stands for all light.
@@ -89,6 +91,7 @@ impl<'a> Lower<'a> {
             definitions: Vec::new(),
             formulas: Vec::new(),
             noted: HashSet::new(),
+            n_included: 0,
             graphs: Vec::new(),
             has_matcap: false,
             tracks: Vec::new(),
@@ -132,7 +135,7 @@ impl<'a> Lower<'a> {
     /// The surfaces at a time of the film, from 0 to 1.
     pub(super) fn surfaces_of_frame(&mut self, spec: &SceneSpec, time: f64) -> Vec<Surface> {
         self.has_matcap = spec.image.spec.matcap.is_some();
-        self.define(&spec.params, &spec.lets, time);
+        self.define(&spec.params, &spec.lets, &spec.shapes, time);
         let clip = self.clip(&spec.domain);
         self.surfaces(&spec.surfaces, &clip)
     }

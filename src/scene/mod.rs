@@ -11,6 +11,7 @@ mod files;
 mod formula;
 mod frames;
 mod graph;
+mod include;
 mod leaf;
 mod leaf_schema;
 mod light;

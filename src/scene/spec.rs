@@ -29,6 +29,13 @@ pub(super) struct SceneSpec {
     /// Expressions with names that all formulas may use.
     #[schemars(rename = "let", default)]
     pub(super) lets: Named,
+    /// Shapes with names that other shapes and all formulas may use.
+    #[schemars(default)]
+    pub(super) shapes: Named,
+    /// Files NAME.toml with `[params]`, `[let]` and `[shapes]` that count as if they stood here, relative
+    /// to the folder of this one and not outside of it.
+    #[schemars(default)]
+    pub(super) include: Vec<Spanned<String>>,
     /// What is drawn.
     #[schemars(rename = "surface", length(min = 1))]
     pub(super) surfaces: Vec<Section<SurfaceSpec>>,
@@ -94,7 +101,7 @@ impl<T: JsonSchema> JsonSchema for Section<T> {
     }
 }
 
-/// What is drawn: one of `f`, `blend` and `file`.
+/// What is drawn: one of `f`, `shape`, `blend` and `file`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SurfaceSpec {
@@ -102,6 +109,8 @@ pub(super) struct SurfaceSpec {
     pub(super) name: Option<String>,
     /// The formula; `a = b` means a − b = 0, and `a <= b` is a solid.
     pub(super) f: Option<Spanned<String>>,
+    /// A shape: solids joined by `|` (union), `&` (intersection) and `-` (difference).
+    pub(super) shape: Option<Spanned<String>>,
     /// A blend of spheres.
     pub(super) blend: Option<Spanned<Table<BlendSpec>>>,
     /// A function graph in the text format of libfive and Fidget: the file `NAME.vm`, relative to
