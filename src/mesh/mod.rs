@@ -15,6 +15,7 @@ mod halo;
 mod repair;
 #[cfg(test)]
 mod tests;
+mod uniform;
 
 pub use check::{Health, Shape};
 use std::hash::Hasher;
@@ -24,6 +25,7 @@ use siphasher::sip128::{Hasher128, SipHasher13};
 pub use extract::{Crossing, Extraction, LEAST_PART, extract};
 pub use formula::{FormulaSettings, VertexPlace, of_formula};
 pub use grid::{Border, Brick, Grid, Leaf, SIDE, VOXELS};
+pub use uniform::{Threshold, Triangles, uniform};
 
 /// Triangles of one surface, as files hold them.
 #[derive(Clone, Debug, Default, PartialEq)]
