@@ -35,7 +35,7 @@ pub fn isosurface(volume: &Volume, isovalue: f64, tolerance: Tolerance, border: 
 
 /// Outwards, of length 1: against the gradient between the ends of an edge, or along the edge where
 /// there is none.
-fn normal(volume: &Volume, crossing: &Crossing, normals_by: DMat3) -> [f32; 3] {
+pub(crate) fn normal(volume: &Volume, crossing: &Crossing, normals_by: DMat3) -> [f32; 3] {
     let [a, b] = crossing.ends.map(DVec3::from_array);
     let is_up = crossing.values[0] >= crossing.values[1];
     let along = if is_up { b - a } else { a - b };

@@ -30,8 +30,7 @@ mod samples;
 #[cfg(test)]
 mod tests;
 mod text;
-#[cfg(test)]
-mod thesis;
+pub mod thesis;
 
 use std::path::Path;
 

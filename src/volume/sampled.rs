@@ -137,14 +137,23 @@ mod tests {
         progress::Unwatched,
         volume::{
             MAX_SAMPLES,
-            thesis::{self, Alpha, MODELS},
+            thesis::{Alpha, MODELS},
         },
     };
+
+    /// A formula of the coordinates.
+    fn formula(text: &str) -> Expr {
+        let resolved = crate::expr::parse(text).map(|ast| Expr::resolve(&ast, &[]));
+        match resolved {
+            Ok(Ok(resolved)) => resolved.expr,
+            other => panic!("{text}: {other:?}"),
+        }
+    }
 
     const CUBE: Aabb = Aabb { min: DVec3::NEG_ONE, max: DVec3::ONE };
 
     fn sampled(text: &str, size: [u32; 3], quantize: Quantize) -> Volume {
-        Volume::sampled(&thesis::formula(text), CUBE, size, quantize, &Unwatched).unwrap()
+        Volume::sampled(&formula(text), CUBE, size, quantize, &Unwatched).unwrap()
     }
 
     #[test]
@@ -169,14 +178,14 @@ mod tests {
 
     #[test]
     fn beyond_a_clip_nothing_counts() {
-        let clipped = thesis::formula("7 + 0*x").clipped(&thesis::formula("x"));
+        let clipped = formula("7 + 0*x").clipped(&formula("x"));
         let volume = Volume::sampled(&clipped, CUBE, [4, 1, 1], Quantize::Floor, &Unwatched);
         assert_eq!(volume.unwrap().samples, Samples::U8(vec![7, 7, 0, 0]));
     }
 
     #[test]
     fn every_level_and_number_of_threads_gives_the_same_bits() {
-        let formula = thesis::formula("sin(7*x*y) + exp(z)*atan2(y, x) - r^3");
+        let formula = formula("sin(7*x*y) + exp(z)*atan2(y, x) - r^3");
         let tape = formula.tape();
         let size = [37, 19, 11];
         let task = Task {
@@ -204,7 +213,7 @@ mod tests {
     #[test]
     fn what_cannot_be_had_is_refused() {
         let tried = |bounds, size| {
-            let x = thesis::formula("x");
+            let x = formula("x");
             Volume::sampled(&x, bounds, size, Quantize::None, &Unwatched).unwrap_err().to_string()
         };
         assert_eq!(tried(CUBE, [4, 0, 4]), "its size is 4 x 0 x 4, and no side may be 0");

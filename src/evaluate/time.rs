@@ -1,0 +1,129 @@
+//! How long it takes to simplify samples and to extract an isosurface, beside plain Marching Cubes on
+//! the same samples.
+//!
+//! Everything is timed with one thread, in turn, several times; medians count.
+//!
+//! *Based on:* A. León Salas, 2008, sections 3.6 and 3.7.
+
+use std::{
+    hint::black_box,
+    time::{Duration, Instant},
+};
+
+use super::surface::octree;
+use crate::{
+    Error, Result,
+    hrb::{HrbOctree, Sample, Tolerance, Value},
+    mesh::{Border, Threshold, extract, uniform},
+    progress::Progress,
+    volume::{Volume, with_samples},
+};
+
+/// Times as multiples of that of Marching Cubes on the samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Times {
+    /// When samples were joined.
+    pub tolerance: Tolerance,
+    /// Regions of the octree.
+    pub n_regions: u64,
+    /// Triangles of its surface.
+    pub n_triangles: u64,
+    /// From samples to the octree.
+    pub simplify: f64,
+    /// From the octree to triangles, with nodes without a part of the surface passed over.
+    pub extract: f64,
+}
+
+/// All of a grid.
+#[derive(Clone, Debug)]
+pub struct OfGrid {
+    /// One for each tolerance.
+    pub times: Vec<Times>,
+    /// Triangles of plain Marching Cubes.
+    pub n_triangles: u64,
+}
+
+/// Times the octrees of a volume.
+///
+/// # Errors
+/// [`Error::Limit`] if no thread can be started, [`Error::Interrupted`] if `progress` asks to stop.
+pub(super) fn measure(
+    volume: &Volume,
+    isovalue: f64,
+    tolerances: &[Tolerance],
+    runs: u32,
+    progress: &dyn Progress,
+) -> Result<OfGrid> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let pool = pool.map_err(|error| Error::Limit(format!("cannot start a thread: {error}")))?;
+    with_samples!(&volume.samples, |samples| {
+        pool.install(|| of_samples(samples, volume.size, isovalue, tolerances, runs, progress))
+    })
+}
+
+fn of_samples<T: Sample + Threshold>(
+    samples: &[T],
+    size: [u32; 3],
+    isovalue: f64,
+    tolerances: &[Tolerance],
+    runs: u32,
+    progress: &dyn Progress,
+) -> Result<OfGrid> {
+    let mut of_grid = Vec::new();
+    let mut simplify = vec![Vec::new(); tolerances.len()];
+    let mut extract = simplify.clone();
+    let mut times = Vec::new();
+    let mut n_triangles = 0;
+    // What is timed first pays for the machine's waking up.
+    for run in 0..=runs {
+        if progress.is_cancelled() {
+            return Err(Error::Interrupted);
+        }
+        let is_first = run == 0;
+        let (time, found) = timed(|| uniform(samples, size, isovalue, Border::Open));
+        n_triangles = found.triangles.len() as u64;
+        if !is_first {
+            of_grid.push(time);
+        }
+        drop(found);
+        for (i, &tolerance) in tolerances.iter().enumerate() {
+            let (to_simplify, tree) = timed(|| octree(samples, size, tolerance));
+            let (to_extract, n_triangles) = timed(|| surface(&tree, isovalue));
+            if is_first {
+                let n_regions = tree.storage().regions;
+                let (simplify, extract) = (0.0, 0.0);
+                times.push(Times { tolerance, n_regions, n_triangles, simplify, extract });
+            } else {
+                simplify[i].push(to_simplify);
+                extract[i].push(to_extract);
+            }
+        }
+    }
+    let unit = median(&mut of_grid);
+    for (i, times) in times.iter_mut().enumerate() {
+        times.simplify = median(&mut simplify[i]) / unit;
+        times.extract = median(&mut extract[i]) / unit;
+    }
+    Ok(OfGrid { times, n_triangles })
+}
+
+/// Makes what a mesh is: positions of the precision of files, and triangles. Counts these.
+fn surface<V: Value>(octree: &HrbOctree<V>, isovalue: f64) -> u64 {
+    let found = extract(&octree.grid(isovalue, Border::Open));
+    let position = |crossing: &crate::mesh::Crossing| crossing.point().map(|x| x as f32);
+    let positions: Vec<[f32; 3]> = found.crossings.iter().map(position).collect();
+    black_box(positions);
+    found.triangles.len() as u64
+}
+
+fn timed<R>(work: impl FnOnce() -> R) -> (Duration, R) {
+    let start = Instant::now();
+    let result = black_box(work());
+    (start.elapsed(), result)
+}
+
+/// In seconds.
+fn median(times: &mut [Duration]) -> f64 {
+    times.sort_unstable();
+    times.get(times.len() / 2).map_or(f64::NAN, Duration::as_secs_f64)
+}
