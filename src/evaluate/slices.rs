@@ -136,7 +136,7 @@ impl<'a> Properties<'a> {
         (0..nz).into_par_iter().map(of_slice).reduce(|| 0.0, f64::max)
     }
 
-    /// A slice across z, through samples in the middle, `width` pixels wide; the least and the largest
+    /// The slice across z in which samples change most, `width` pixels wide; the least and the largest
     /// sample have the first and the last colour.
     #[must_use]
     pub fn slice(&self, property: &Property<'a>, width: u32) -> Frame {
@@ -144,7 +144,7 @@ impl<'a> Properties<'a> {
         let height = ((f64::from(width) * ny / nx).round() as u32).max(1);
         let [low, high] = self.volume.range();
         let mut frame = Frame::filled(width, height, [0.0, 0.0, 0.0, 1.0]);
-        let z = self.middle(2);
+        let [_, z] = self.busiest();
         frame.rgba.par_iter_mut().enumerate().for_each(|(i, pixel)| {
             let (column, row) = (i as u32 % width, i as u32 / width);
             let x = (f64::from(column) + 0.5) / f64::from(width) * nx;
@@ -157,11 +157,11 @@ impl<'a> Properties<'a> {
         frame
     }
 
-    /// Values along x, through the middle of the slice.
+    /// Values along the row of the slice in which samples change most.
     #[must_use]
     pub fn profile(&self, property: &Property<'a>) -> Vec<(f64, f64)> {
         let n = 8 * self.volume.size[0];
-        let (y, z) = (self.middle(1), self.middle(2));
+        let [y, z] = self.busiest();
         let at = |i: u32| {
             let x = (f64::from(i) + 0.5) / 8.0;
             (x, property([x, y, z]))
@@ -169,8 +169,25 @@ impl<'a> Properties<'a> {
         (0..n).map(at).collect()
     }
 
-    /// The place of a sample in the middle of an axis.
-    fn middle(&self, axis: usize) -> f64 {
-        f64::from(self.volume.size[axis] / 2) + 0.5
+    /// The place in y and z of the row along x in the busiest slice in which samples change most.
+    fn busiest(&self) -> [f64; 2] {
+        let [nx, ny, nz] = self.volume.size;
+        let change = |y: u32, z: u32| {
+            let step = |x: u32| self.volume.value([x, y, z]) - self.volume.value([x - 1, y, z]);
+            (1..nx).map(|x| step(x).abs()).filter(|step| step.is_finite()).sum::<f64>()
+        };
+        let of_slice = |z: u32| (0..ny).map(|y| change(y, z)).sum();
+        // Of equal ones that in the middle.
+        let most = |n: u32, of: &dyn Fn(u32) -> f64| {
+            let key = |i: u32| (of(i), std::cmp::Reverse(i.abs_diff(n / 2)));
+            (0..n).map(|i| (key(i), i)).fold(None, |best: Option<((f64, _), u32)>, next| match best
+            {
+                Some(best) if best.0 >= next.0 => Some(best),
+                _ => Some(next),
+            })
+        };
+        let z = most(nz, &of_slice).map_or(0, |(_, z)| z);
+        let y = most(ny, &|y| change(y, z)).map_or(0, |(_, y)| y);
+        [y, z].map(|i| f64::from(i) + 0.5)
     }
 }

@@ -80,15 +80,17 @@ pub(in crate::evaluate) fn text(
             };
             let n = of_subject.n_differing[i];
             let part = 100.0 * n as f64 / of_subject.n_pixels.max(1) as f64;
-            let (found, is_same) = match of_subject.is_same_mesh[i] {
-                true => ("the same mesh, bit by bit".to_owned(), true),
-                false => (
-                    format!(
-                        "mean error {:.4} against {:.4} voxels, {part:.1} % of pixels differ",
-                        own.mean, of_grid.mean
-                    ),
-                    own.mean <= 1.01 * of_grid.mean && part < 1.0,
-                ),
+            let beside_grid = format!(
+                "mean error {:.4} against {:.4} voxels, {part:.1} % of pixels differ visibly",
+                own.mean, of_grid.mean
+            );
+            let (found, is_same) = match of_subject.same_mesh[i] {
+                0 => ("the same mesh, bit by bit".to_owned(), true),
+                first => {
+                    let also = if first == 1 { "; the same mesh as with ε = 0" } else { "" };
+                    let is_same = own.mean <= 1.01 * of_grid.mean && part < 1.0;
+                    (beside_grid + also, is_same)
+                }
             };
             let (claim, verdict) = match epsilon {
                 1 => ("looks like that of the grid", if is_same { "confirmed" } else { "refuted" }),

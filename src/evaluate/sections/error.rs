@@ -15,7 +15,7 @@ use crate::{
     },
     hrb::Tolerance,
     output::{
-        plot::{Legend, Marks, Plot, XAxis},
+        plot::{Marks, Plot, XAxis},
         png,
     },
     progress::Progress,
@@ -33,10 +33,11 @@ pub(in crate::evaluate) struct Found {
 pub(in crate::evaluate) struct OfSubject {
     pub(in crate::evaluate) name: String,
     pub(in crate::evaluate) summaries: Vec<Summary>,
-    /// How many pixels of all that show the surface are not as in the picture of the grid.
+    /// How many pixels of all that show the surface differ visibly from the picture of the grid.
     pub(in crate::evaluate) n_pixels: u64,
     pub(in crate::evaluate) n_differing: Vec<u64>,
-    pub(in crate::evaluate) is_same_mesh: Vec<bool>,
+    /// Which way comes first that has the same mesh.
+    pub(in crate::evaluate) same_mesh: Vec<usize>,
 }
 
 /// One way to get the surface.
@@ -190,7 +191,6 @@ fn of_subject(
         x_axis: XAxis::Linear,
         y_max: (1.08 * top).max(1e-9),
         marks: Marks::Lines,
-        legend: Legend::UpperRight,
         lines,
     };
     let shown = report.plot(&format!("{slug}-error"), &plot)?;
@@ -202,25 +202,32 @@ fn of_subject(
     let n_pixels = covered(&plain[0]);
     let _ = write!(
         text,
-        "The mean error is {} voxels ({}). Of {} pixels that show the surface {} differ from the \
-         picture of the grid.\n\n{shown}\n\n",
+        "The mean error is {} voxels ({}). Of {} pixels that show the surface {} differ visibly from \
+         the picture of the grid, by {VISIBLE} or more of 255.\n\n{shown}\n\n",
         means.join(", "),
         names.join("; "),
         thousands(n_pixels),
         n_differing[1..].iter().map(|&n| thousands(n)).collect::<Vec<String>>().join(", "),
     );
     text += &folded("Frequencies", &frequencies(ways));
-    let is_same_mesh = ways
+    let same_mesh = ways
         .iter()
-        .map(|way| {
-            way.surface.positions == ways[0].surface.positions
-                && way.surface.triangles == ways[0].surface.triangles
-        })
+        .map(|way| ways.iter().position(|other| is_same(&other.surface, &way.surface)).unwrap_or(0))
         .collect();
     let summaries = ways.iter().map(|way| way.errors.summary()).collect();
-    let of_subject =
-        OfSubject { name: name.clone(), summaries, n_pixels, n_differing, is_same_mesh };
+    let of_subject = OfSubject { name: name.clone(), summaries, n_pixels, n_differing, same_mesh };
     Ok((text, of_subject))
+}
+
+/// Whether two meshes are the same, bit by bit; they may begin with different triangles.
+fn is_same(a: &Surface, b: &Surface) -> bool {
+    let corners = |of: &Surface| {
+        let bits = |v: u32| of.positions[v as usize].to_array().map(f64::to_bits);
+        let mut all: Vec<_> = of.triangles.iter().map(|corners| corners.map(bits)).collect();
+        all.sort_unstable();
+        all
+    };
+    a.triangles.len() == b.triangles.len() && corners(a) == corners(b)
 }
 
 /// The bin up to which every way has this part of its errors, in whole steps of `width`.
@@ -285,10 +292,16 @@ fn bins(ways: &[Way]) -> Table {
     Table { columns, rows }
 }
 
-/// Pixels of a picture whose colours are not the same in the other one.
+/// Colours that differ by less than this are hard to tell apart, of 255.
+const VISIBLE: u8 = 8;
+
+/// Pixels of a picture whose colours are visibly not the same in the other one.
 fn differing(a: &Frame, b: &Frame) -> u64 {
     let (a, b) = (png::to_srgb8(a), png::to_srgb8(b));
-    a.pixels().zip(b.pixels()).filter(|(a, b)| a != b).count() as u64
+    let differ = |(a, b): &(&image::Rgba<u8>, &image::Rgba<u8>)| {
+        a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) >= VISIBLE)
+    };
+    a.pixels().zip(b.pixels()).filter(differ).count() as u64
 }
 
 /// Pixels that show something.

@@ -11,7 +11,7 @@ use crate::{
         table::{Cell, Table},
     },
     hrb::{Criterion, Tolerance},
-    output::plot::{Legend, Marks, Plot, XAxis},
+    output::plot::{Marks, Plot, XAxis},
     progress::Progress,
     volume::with_samples,
 };
@@ -19,7 +19,7 @@ use crate::{
 /// Tolerances of the tables.
 const EPSILONS: [f64; 3] = [0.0, 2.0, 8.0];
 /// The tolerance of slices is this part of the range of samples, so that regions show.
-const SLICE_PART: f64 = 1.0 / 16.0;
+const SLICE_PART: f64 = 1.0 / 4.0;
 /// Width of a slice in pixels.
 const SLICE_PX: u32 = 380;
 
@@ -57,7 +57,7 @@ pub(in crate::evaluate) fn write(
         let grid = subject.test_grid(&settings.sizes);
         let volume = subject.volume(grid)?;
         let n_samples = volume.samples.len() as u64;
-        for epsilon in EPSILONS {
+        for epsilon in EPSILONS.into_iter().filter(|&e| e == 0.0 || !subject.is_binary) {
             let tolerance = Tolerance { epsilon, criterion: Criterion::Range };
             let regions = with_samples!(&volume.samples, |samples| {
                 octree(samples, volume.size, tolerance).storage().regions
@@ -74,7 +74,7 @@ pub(in crate::evaluate) fn write(
                 Cell::Count(counts.corners),
                 Cell::Number(100.0 * (1.0 - counts.corners as f64 / n_samples as f64), 2),
             ]);
-            if epsilon == 0.0 || subject.is_binary {
+            if epsilon == 0.0 {
                 continue;
             }
             for difference in Properties::new(&volume, epsilon).differences() {
@@ -161,7 +161,6 @@ fn slices_of(report: &mut Report, subject: &Subject) -> Result<String> {
         x_axis: XAxis::Linear,
         y_max: 1.1 * most,
         marks: Marks::Lines,
-        legend: Legend::UpperRight,
         lines,
     };
     let plot = report.plot(&format!("{slug}-profile"), &plot)?;

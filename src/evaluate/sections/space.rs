@@ -10,7 +10,7 @@ use crate::{
         space::{self, TOLERANCES},
         table::{Cell, Table},
     },
-    output::plot::{Legend, Marks, Plot, XAxis},
+    output::plot::{Marks, Plot, XAxis},
     progress::Progress,
 };
 
@@ -127,7 +127,6 @@ fn plot(
         x_axis: XAxis::Doubling,
         y_max: 1.05 * most,
         marks: Marks::Joined,
-        legend: Legend::UpperRight,
         lines,
     }
 }

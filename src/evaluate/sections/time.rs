@@ -11,7 +11,7 @@ use crate::{
         table::{Cell, Table},
         time,
     },
-    output::plot::{Legend, Marks, Plot, XAxis},
+    output::plot::{Marks, Plot, XAxis},
     progress::Progress,
 };
 
@@ -38,8 +38,11 @@ pub(in crate::evaluate) fn write(
         let mut of_subject = Vec::new();
         for grid in subject.grids(&settings.sizes) {
             let volume = subject.volume(grid)?;
-            let (tolerances, isovalue) = (settings.tolerances(), subject.isovalue);
-            let found = time::measure(&volume, isovalue, &tolerances, settings.runs, progress)?;
+            let tolerances = settings.tolerances();
+            // Samples that are all or nothing are joined the same way whatever the tolerance is.
+            let tolerances = if subject.is_binary { &tolerances[..1] } else { &tolerances };
+            let (isovalue, runs) = (subject.isovalue, settings.runs);
+            let found = time::measure(&volume, isovalue, tolerances, runs, progress)?;
             let n_samples = volume.samples.len() as f64;
             for times in &found.times {
                 let density = 100.0 * times.n_regions as f64 / n_samples;
@@ -64,17 +67,14 @@ pub(in crate::evaluate) fn write(
     report.csv("time", &table)?;
     let of_all = || points.iter().flat_map(|(_, points)| points.iter().copied());
     let most = of_all().map(|point| point.1).fold(1.0, f64::max);
-    let widest = of_all().map(|point| point.0).fold(1.0, f64::max);
     let below = below_which_it_pays(&of_all().collect::<Vec<(f64, f64)>>());
-    points.push(("plain Marching Cubes".to_owned(), vec![(0.0, 1.0), (widest, 1.0)]));
     let plot = Plot {
         title: "Extraction over simplification".to_owned(),
         x_label: "leaves per 100 samples".to_owned(),
-        y_label: "time as a multiple of that of plain Marching Cubes".to_owned(),
+        y_label: "times plain Marching Cubes".to_owned(),
         x_axis: XAxis::Linear,
         y_max: 1.05 * most,
         marks: Marks::Dots,
-        legend: Legend::UpperLeft,
         lines: points,
     };
     let mut text = format!(
