@@ -41,7 +41,7 @@ pub struct Difference {
 }
 
 /// Points along each axis in which differences are looked for.
-const LATTICE: u32 = 64;
+const LATTICE: u32 = 48;
 
 impl<'a> Properties<'a> {
     /// Samples that differ by `epsilon` at most are joined.
