@@ -34,6 +34,8 @@ where
     let tolerance = Tolerance { epsilon, criterion: Criterion::Range };
     let octree = HrbOctree::build(samples, size, tolerance);
     let Extraction { crossings, triangles: of_octree } = extract(&octree.grid(isovalue, border));
+    let all = extract(&octree.whole_grid(isovalue, border));
+    assert_eq!(all.triangles.len(), of_octree.len(), "an index loses nothing");
     let of_crossings: Vec<[f32; 3]> =
         crossings.iter().map(|crossing| crossing.point().map(|x| x as f32)).collect();
     [canonical(&positions, &triangles), canonical(&of_crossings, &of_octree)]

@@ -8,6 +8,7 @@
 
 mod cells;
 mod error;
+mod gradient;
 mod histogram;
 mod pictures;
 mod report;
@@ -76,6 +77,7 @@ pub fn run(
     let time = sections::time::write(&mut report, subjects, settings, progress)?;
     let error = sections::error::write(&mut report, subjects, settings, progress)?;
     let property = sections::property::write(&mut report, subjects, settings, progress)?;
+    let gradient = sections::gradient::write(&mut report, subjects, settings)?;
     progress.end();
     let claims = sections::claims::text(subjects, &space, &error);
     let open = sections::claims::OPEN;
@@ -86,6 +88,7 @@ pub fn run(
         &time,
         &error.text,
         &property,
+        &gradient,
         open,
     ];
     report.finish(&parts.map(str::trim_end).join("\n\n"))

@@ -154,7 +154,7 @@ impl<V: Value> HrbOctree<V> {
     }
 
     /// The values and levels of a brick.
-    fn brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> Brick {
+    pub(super) fn brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> Brick {
         let first = self.first_sample(place);
         let whole = first.filter(|first| (0..3).all(|axis| first[axis] + SIDE <= self.size[axis]));
         let Some(first) = whole else { return self.border_brick(place, isovalue, border) };

@@ -9,6 +9,7 @@ mod octree;
 mod sample;
 #[cfg(test)]
 mod tests;
+mod whole;
 
 pub use build::{Criterion, Tolerance};
 pub use octree::{HrbOctree, Region, Storage};

@@ -2,6 +2,7 @@
 
 pub(super) mod claims;
 pub(super) mod error;
+pub(super) mod gradient;
 pub(super) mod property;
 pub(super) mod space;
 pub(super) mod time;
