@@ -8,20 +8,20 @@ use crate::volume::Volume;
 
 /// How much samples of one region may differ, and central differences at them along each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Likeness {
+pub(super) struct Likeness {
     /// Of values.
-    pub value: f64,
+    pub(super) value: f64,
     /// Of differences; infinite where they do not matter.
-    pub gradient: f64,
+    pub(super) gradient: f64,
 }
 
 /// What is left of a volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Joined {
+pub(super) struct Joined {
     /// Regions.
-    pub regions: u64,
+    pub(super) regions: u64,
     /// The root of the mean square by which samples differ from the mean of their region.
-    pub rms: f64,
+    pub(super) rms: f64,
 }
 
 /// Ranges and moments of the samples of a block.
@@ -46,7 +46,7 @@ struct Joiner<'a> {
 
 /// Joins the samples of a volume in each of several ways.
 #[must_use]
-pub fn joined(volume: &Volume, likenesses: &[Likeness]) -> Vec<Joined> {
+pub(super) fn joined(volume: &Volume, likenesses: &[Likeness]) -> Vec<Joined> {
     let size = volume.size;
     let n: u32 = size.iter().product();
     let sample = |i: u32| {
@@ -132,7 +132,7 @@ impl Summary {
 /// How many regions values alone would leave with an error of `rms`, between those of `ladder`, which
 /// rises; none where it does not reach so far.
 #[must_use]
-pub fn regions_at(ladder: &[Joined], rms: f64) -> Option<f64> {
+pub(super) fn regions_at(ladder: &[Joined], rms: f64) -> Option<f64> {
     let pair = ladder.windows(2).find(|pair| pair[0].rms <= rms && rms <= pair[1].rms)?;
     let width = pair[1].rms - pair[0].rms;
     let part = if width > 0.0 { (rms - pair[0].rms) / width } else { 0.0 };

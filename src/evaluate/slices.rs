@@ -150,6 +150,7 @@ impl<'a> Properties<'a> {
             let x = (f64::from(column) + 0.5) / f64::from(width) * nx;
             let y = (1.0 - (f64::from(row) + 0.5) / f64::from(height)) * ny;
             let part = (property([x, y, z]) - low) / (high - low);
+            let part = if part.is_nan() { 0.0 } else { part };
             let color = VIRIDIS.eval_continuous(part.clamp(0.0, 1.0));
             let of = |component: u8| linear_from_srgb(f64::from(component) / 255.0) as f32;
             *pixel = [of(color.r), of(color.g), of(color.b), 1.0];
@@ -166,7 +167,7 @@ impl<'a> Properties<'a> {
             let x = (f64::from(i) + 0.5) / 8.0;
             (x, property([x, y, z]))
         };
-        (0..n).map(at).collect()
+        (0..n).map(at).filter(|(_, value)| value.is_finite()).collect()
     }
 
     /// The place in y and z of the row along x in the busiest slice in which samples change most.

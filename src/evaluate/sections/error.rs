@@ -178,7 +178,7 @@ fn of_subject(
         (upper_end((i + 1) * curve - 1) - 0.0005 * curve as f64, 100.0 * count as f64 / total)
     };
     let line = |way: &Way| {
-        let total = way.histogram.total() as f64;
+        let total = way.histogram.total().max(1) as f64;
         let counts = way.histogram.joined(curve, end).into_iter().enumerate();
         (way.name.clone(), counts.map(|pair| point(pair, total)).collect())
     };
@@ -251,6 +251,9 @@ fn frequencies(ways: &[Way]) -> String {
     let mut text = String::new();
     for (names, histogram) in groups {
         let total = histogram.total();
+        if total == 0 {
+            continue;
+        }
         let mut table = Table::new(&["interval", "absolute", "relative, %", "accumulated, %"]);
         let mut n = 0;
         let mut row = |interval: String, count: u64| {

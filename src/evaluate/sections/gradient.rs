@@ -41,9 +41,9 @@ pub(in crate::evaluate) fn write(
         let found = joined(&volume, &all);
         let (ladder, pairs) = found.split_at(LADDER.len());
         for (likeness, own) in of_pairs.iter().zip(pairs) {
-            let alone = regions_at(ladder, own.rms).unwrap_or(f64::NAN);
+            let Some(alone) = regions_at(ladder, own.rms) else { continue };
             let saved = 100.0 * (1.0 - own.regions as f64 / alone);
-            n_all += u64::from(saved.is_finite());
+            n_all += 1;
             n_better += u64::from(saved > 0.0);
             table.rows.push(vec![
                 Cell::text(&subject.name),
@@ -52,7 +52,7 @@ pub(in crate::evaluate) fn write(
                 Cell::Number(likeness.gradient, 0),
                 Cell::Count(own.regions),
                 Cell::Number(own.rms, 4),
-                Cell::Number(alone, 0),
+                Cell::Count(alone.round() as u64),
                 Cell::Number(saved, 2),
             ]);
         }
