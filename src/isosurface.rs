@@ -1,7 +1,6 @@
 //! Isosurfaces of volumes as meshes: regions, their dual grid, and normals from the samples.
 
-use glam::{DMat3, DVec3};
-use rayon::prelude::*;
+use glam::{DMat3, DVec3, Vec3};
 
 use crate::{
     hrb::{HrbOctree, Tolerance},
@@ -15,7 +14,6 @@ pub fn isosurface(volume: &Volume, isovalue: f64, tolerance: Tolerance, border: 
     let grid = with_samples!(&volume.samples, |samples| {
         HrbOctree::build(samples, volume.size, tolerance).grid(isovalue, border)
     });
-    let Extraction { crossings, triangles } = extract(&grid);
     let matrix = volume.placing.matrix3;
     let is_mirrored = matrix.determinant() < 0.0;
     let normals_by = matrix.inverse().transpose();
@@ -23,7 +21,7 @@ pub fn isosurface(volume: &Volume, isovalue: f64, tolerance: Tolerance, border: 
         let point = volume.placing.transform_point3(DVec3::from_array(crossing.point()));
         (point.as_vec3().to_array(), normal(volume, crossing, normals_by))
     };
-    let vertices: Vec<([f32; 3], [f32; 3])> = crossings.par_iter().map(vertex).collect();
+    let Extraction { vertices, triangles } = extract(&grid, vertex);
     let (positions, normals) = vertices.into_iter().unzip();
     let mut mesh = Mesh { positions, normals, triangles, ..Mesh::default() };
     if is_mirrored {
@@ -36,10 +34,8 @@ pub fn isosurface(volume: &Volume, isovalue: f64, tolerance: Tolerance, border: 
 /// Outwards, of length 1: against the gradient between the ends of an edge, or along the edge where
 /// there is none.
 pub(crate) fn normal(volume: &Volume, crossing: &Crossing, normals_by: DMat3) -> [f32; 3] {
-    let [a, b] = crossing.ends.map(DVec3::from_array);
-    let is_up = crossing.values[0] >= crossing.values[1];
-    let along = if is_up { b - a } else { a - b };
-    let [g, h] = [a, b].map(|end| gradient(volume, end));
+    let along = crossing.outwards();
+    let [g, h] = crossing.ends.map(|end| gradient(volume, Vec3::from_array(end).as_dvec3()));
     let inwards = g + crossing.part * (h - g);
     let outwards = if crossing.is_cap || !inwards.is_finite() { along } else { -inwards };
     let turned = (normals_by * outwards).try_normalize();

@@ -1,6 +1,7 @@
 //! Surfaces of a scene to meshes, each with what is known of it.
 
 use crate::{
+    expr::Tape,
     math::{Lattice, SimdLevel},
     mesh::{self, FormulaSettings, Mesh},
     octree::Storage,
@@ -16,9 +17,24 @@ pub fn meshes(
     lattice: &Lattice,
     simd: SimdLevel,
 ) -> (Vec<Mesh>, Vec<statistics::Mesh>) {
-    let MeshSettings { border, vertex, .. } = scene.mesh;
+    let MeshSettings { border, vertex, most_triangles, .. } = scene.mesh;
     let settings = FormulaSettings { border, vertex, simd };
     let (mut meshes, mut numbers) = (Vec::new(), Vec::new());
+    let mut finish = |mut mesh: Mesh, tape: Option<&Tape>| {
+        let split_vertices = mesh.split_touching();
+        let full = most_triangles.map(|n_wanted| {
+            let full = mesh.clone();
+            mesh.decimate(n_wanted as usize);
+            if let Some(tape) = tape
+                && mesh.triangles.len() < full.triangles.len()
+            {
+                mesh.take_normals_of(tape, simd);
+            }
+            full
+        });
+        numbers.push(statistics::Mesh::of(&mesh, full.as_ref(), split_vertices));
+        meshes.push(mesh);
+    };
     for (surface, storage) in scene.surfaces.iter().zip(storages) {
         let tape = surface.expr.tape();
         let mut mesh = mesh::of_formula(&tape, &**storage, lattice, &settings);
@@ -27,30 +43,30 @@ pub fn meshes(
         }
         mesh.name.clone_from(&surface.name);
         mesh.color = surface.material.color;
-        let split_vertices = mesh.split_touching();
-        numbers.push(statistics::Mesh::of(&mesh, split_vertices));
-        meshes.push(mesh);
+        finish(mesh, Some(&tape));
     }
-    for mesh in &*scene.isosurfaces {
-        let mut mesh = mesh.clone();
-        let split_vertices = mesh.split_touching();
-        numbers.push(statistics::Mesh::of(&mesh, split_vertices));
-        meshes.push(mesh);
-    }
+    scene.isosurfaces.iter().for_each(|mesh| finish(mesh.clone(), None));
     (meshes, numbers)
 }
 
-/// What the user should know about a mesh that is not clean.
+/// What the user should know about a mesh that is not clean, or has more triangles than are wanted.
 #[must_use]
-pub fn note(numbers: &statistics::Mesh) -> Option<String> {
-    let statistics::Mesh { name, open_edges, faults, .. } = numbers;
+pub fn notes(numbers: &statistics::Mesh, settings: &MeshSettings) -> Vec<String> {
+    let statistics::Mesh { name, open_edges, faults, triangles, .. } = numbers;
+    let mut notes = Vec::new();
     if *faults > 0 {
-        return Some(format!("the mesh of `{name}` is not clean: {faults} faults, see --stats"));
-    }
-    (*open_edges > 0).then(|| {
-        format!(
+        notes.push(format!("the mesh of `{name}` is not clean: {faults} faults, see --stats"));
+    } else if *open_edges > 0 {
+        notes.push(format!(
             "the mesh of `{name}` is open, with {open_edges} edges at its border: cap = true in \
              [mesh] closes a solid where the domain ends"
-        )
-    })
+        ));
+    }
+    if let Some(most) = settings.most_triangles.filter(|&most| *triangles > u64::from(most)) {
+        notes.push(format!(
+            "the mesh of `{name}` has {triangles} triangles, not {most}: with fewer it would not \
+             keep its holes and pieces, or fold"
+        ));
+    }
+    notes
 }

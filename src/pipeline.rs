@@ -182,7 +182,7 @@ fn render_with_all_threads(
         true => (Vec::new(), Vec::new()),
         false => meshing::meshes(scene, &whole.storages, &lattice, simd),
     };
-    notes.extend(of_meshes.iter().filter_map(meshing::note));
+    notes.extend(of_meshes.iter().flat_map(|numbers| meshing::notes(numbers, &scene.mesh)));
     let mesh = start.elapsed().as_secs_f64();
 
     let start = Instant::now();

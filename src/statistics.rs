@@ -165,6 +165,14 @@ pub struct Mesh {
     pub open_edges: u64,
     /// Vertices that were doubled where sheets touch.
     pub split_vertices: u64,
+    /// Pairs of triangles with inner points in common.
+    pub self_intersections: u64,
+    /// Triangles before some were taken away, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub full_triangles: Option<u64>,
+    /// The farthest that a vertex which there was before is from the mesh that is left, in scene units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deviation: Option<f64>,
     /// Whatever else is wrong: crowded or turned edges, pinched or double vertices, flat triangles,
     /// coordinates that are no numbers.
     pub faults: u64,
@@ -173,9 +181,9 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Counts and measures of a mesh.
+    /// Counts and measures of a mesh, of which `full` is what it was before triangles were taken away.
     #[must_use]
-    pub fn of(mesh: &mesh::Mesh, split_vertices: u64) -> Self {
+    pub fn of(mesh: &mesh::Mesh, full: Option<&mesh::Mesh>, split_vertices: u64) -> Self {
         let mesh::Health {
             open_edges,
             crowded_edges,
@@ -198,6 +206,9 @@ impl Mesh {
             volume,
             open_edges,
             split_vertices,
+            self_intersections: mesh.self_intersections(),
+            full_triangles: full.map(|full| full.triangles.len() as u64),
+            deviation: full.map(|full| full.deviation_from(mesh)),
             // What was parted lies twice at one place.
             faults: crowded_edges
                 + turned_edges

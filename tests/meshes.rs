@@ -227,7 +227,14 @@ fn isosurfaces_of_scans_are_clean() {
                 Health::default(),
                 "{file}, tolerance {tolerance}, {split} split"
             );
-            assert!(mesh.shape().volume > 0.0, "{file}");
+            let Shape { euler, components, triangles, volume, .. } = mesh.shape();
+            assert!(volume > 0.0, "{file}");
+            assert_eq!(mesh.self_intersections(), 0, "{file}, tolerance {tolerance}");
+            mesh.decimate(triangles as usize / 10);
+            let (health, less) = (mesh.health(), mesh.shape());
+            assert_eq!(Health { double_vertices: 0, ..health }, Health::default(), "{file}");
+            assert_eq!((less.euler, less.components), (euler, components), "{file}");
+            assert!(less.triangles <= triangles / 9, "{file}: {} of {triangles}", less.triangles);
         }
     }
 }

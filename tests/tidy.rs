@@ -47,7 +47,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("statistics", &["math", "mesh", "octree", "raster", "voxelize"]),
     ("limits", &["math", "octree", "raster"]),
     ("advice", &["expr", "math", "octree", "voxelize"]),
-    ("meshing", &["math", "mesh", "octree", "scene", "statistics"]),
+    ("meshing", &["expr", "math", "mesh", "octree", "scene", "statistics"]),
     (
         "pipeline",
         &[

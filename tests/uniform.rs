@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use zeroset::{
     hrb::{Criterion, HrbOctree, Tolerance},
-    mesh::{Border, Extraction, Threshold, Triangles, extract, uniform},
+    mesh::{Border, Crossing, Extraction, Threshold, Triangles, extract, uniform},
 };
 
 /// Corners of triangles as bits of coordinates, each triangle from its least corner on, in order.
@@ -33,12 +33,12 @@ where
     let Triangles { positions, triangles } = uniform(samples, size, isovalue, border);
     let tolerance = Tolerance { epsilon, criterion: Criterion::Range };
     let octree = HrbOctree::build(samples, size, tolerance);
-    let Extraction { crossings, triangles: of_octree } = extract(&octree.grid(isovalue, border));
-    let all = extract(&octree.whole_grid(isovalue, border));
+    let point = |crossing: &Crossing| crossing.point().map(|x| x as f32);
+    let Extraction { vertices, triangles: of_octree } =
+        extract(&octree.grid(isovalue, border), point);
+    let all = extract(&octree.whole_grid(isovalue, border), point);
     assert_eq!(all.triangles.len(), of_octree.len(), "an index loses nothing");
-    let of_crossings: Vec<[f32; 3]> =
-        crossings.iter().map(|crossing| crossing.point().map(|x| x as f32)).collect();
-    [canonical(&positions, &triangles), canonical(&of_crossings, &of_octree)]
+    [canonical(&positions, &triangles), canonical(&vertices, &of_octree)]
 }
 
 fn borders() -> impl Strategy<Value = Border> {
@@ -79,6 +79,19 @@ proptest! {
         let samples: Vec<f32> = (0..n).map(|_| (next() >> 24) as f32 / 536_870_912.0).collect();
         let [plain, dual] = both(&samples, size, 0.4, border, 0.0);
         prop_assert_eq!(plain, dual);
+    }
+}
+
+/// What is no number is outside, and hides nothing.
+#[test]
+fn what_is_no_number_is_outside() {
+    let mut next = random(5);
+    for border in [Border::Open, Border::Capped] {
+        let sample = |k: u64| if k.is_multiple_of(17) { f32::NAN } else { (k % 1000) as f32 };
+        let samples: Vec<f32> = (0..11 * 9 * 13).map(|_| sample(next())).collect();
+        let [plain, dual] = both(&samples, [11, 9, 13], 400.0, border, -1.0);
+        assert!(!plain.is_empty());
+        assert_eq!(plain, dual);
     }
 }
 

@@ -1,7 +1,6 @@
 //! Isosurfaces whose vertices are known well enough to be measured.
 
 use glam::{DMat3, DVec3};
-use rayon::prelude::*;
 
 use crate::{
     hrb::{self, HrbOctree, Tolerance},
@@ -28,36 +27,47 @@ pub struct Surface {
     pub triangles: Vec<[u32; 3]>,
 }
 
+#[derive(Clone, Copy, Default)]
+struct Vertex {
+    position: DVec3,
+    normal: [f32; 3],
+    slope: f64,
+}
+
 impl Surface {
     /// The surface in a volume; a tolerance of [`GRID`] takes all samples.
     #[must_use]
     pub fn new(volume: &Volume, isovalue: f64, tolerance: Tolerance) -> Self {
-        let Extraction { crossings, mut triangles } = with_samples!(&volume.samples, |samples| {
-            extract(&octree(samples, volume.size, tolerance).grid(isovalue, Border::Open))
+        let grid = with_samples!(&volume.samples, |samples| {
+            octree(samples, volume.size, tolerance).grid(isovalue, Border::Open)
         });
-        let mut numbers = vec![u32::MAX; crossings.len()];
+        let normals_by: DMat3 = volume.placing.matrix3.inverse().transpose();
+        let place = |p: [f64; 3]| volume.placing.transform_point3(DVec3::from_array(p));
+        let vertex = |crossing: &Crossing| {
+            let [a, b] = crossing.ends.map(|end| place(end.map(f64::from)));
+            let [f, g] = crossing.offsets.map(f64::from);
+            Vertex {
+                position: place(crossing.point()),
+                normal: isosurface::normal(volume, crossing, normals_by),
+                slope: (g - f).abs() / a.distance(b),
+            }
+        };
+        let Extraction { vertices, mut triangles } = extract(&grid, vertex);
+        let mut numbers = vec![u32::MAX; vertices.len()];
         triangles.as_flattened().iter().for_each(|&v| numbers[v as usize] = 0);
-        let used: Vec<&Crossing> = crossings
-            .iter()
-            .zip(&numbers)
-            .filter_map(|(crossing, &number)| (number == 0).then_some(crossing))
-            .collect();
+        let is_used: Vec<bool> = numbers.iter().map(|&number| number == 0).collect();
         (0..).zip(numbers.iter_mut().filter(|n| **n == 0)).for_each(|(next, n)| *n = next);
         triangles.as_flattened_mut().iter_mut().for_each(|v| *v = numbers[*v as usize]);
         if volume.placing.matrix3.determinant() < 0.0 {
             triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
         }
-        let normals_by: DMat3 = volume.placing.matrix3.inverse().transpose();
-        let vertex = |crossing: &&Crossing| {
-            let [a, b] =
-                crossing.ends.map(|end| volume.placing.transform_point3(DVec3::from_array(end)));
-            let position = volume.placing.transform_point3(DVec3::from_array(crossing.point()));
-            let normal = isosurface::normal(volume, crossing, normals_by);
-            let rise = (crossing.values[1] - crossing.values[0]).abs();
-            (position, (DVec3::from_array(normal.map(f64::from)), rise / a.distance(b)))
-        };
-        let (positions, (normals, slopes)) = used.par_iter().map(vertex).unzip();
-        Self { positions, normals, slopes, triangles }
+        let mut surface = Self { triangles, ..Self::default() };
+        for (vertex, _) in vertices.iter().zip(is_used).filter(|(_, is_used)| *is_used) {
+            surface.positions.push(vertex.position);
+            surface.normals.push(DVec3::from_array(vertex.normal.map(f64::from)));
+            surface.slopes.push(vertex.slope);
+        }
+        surface
     }
 }
 

@@ -14,7 +14,7 @@ use super::surface::octree;
 use crate::{
     Error, Result,
     hrb::{Sample, Tolerance},
-    mesh::{Border, Crossing, Grid, Threshold, extract, uniform},
+    mesh::{Border, Grid, Threshold, extract, uniform},
     progress::Progress,
     volume::{Volume, with_samples},
 };
@@ -30,6 +30,8 @@ pub struct Times {
     pub n_triangles: u64,
     /// From samples to the octree.
     pub simplify: f64,
+    /// Finding which region answers for which dual cell.
+    pub answer: f64,
     /// From the octree to triangles, with nodes without a part of the surface passed over.
     pub extract: f64,
     /// The same with nothing passed over: the thesis's condition.
@@ -73,6 +75,7 @@ fn of_samples<T: Sample + Threshold>(
 ) -> Result<OfGrid> {
     let mut of_grid = Vec::new();
     let mut simplify = vec![Vec::new(); tolerances.len()];
+    let mut answer = simplify.clone();
     let (mut extract, mut extract_all) = (simplify.clone(), simplify.clone());
     let mut times = Vec::new();
     let mut n_triangles = 0;
@@ -89,7 +92,8 @@ fn of_samples<T: Sample + Threshold>(
         }
         drop(found);
         for (i, &tolerance) in tolerances.iter().enumerate() {
-            let (to_simplify, tree) = timed(|| octree(samples, size, tolerance));
+            let (to_simplify, mut tree) = timed(|| octree(samples, size, tolerance));
+            let (to_answer, ()) = timed(|| tree.assign_corners());
             let (to_extract, n_triangles) = timed(|| surface(&tree.grid(isovalue, Border::Open)));
             let (to_extract_all, _) = timed(|| surface(&tree.whole_grid(isovalue, Border::Open)));
             if is_first {
@@ -99,11 +103,13 @@ fn of_samples<T: Sample + Threshold>(
                     n_regions,
                     n_triangles,
                     simplify: 0.0,
+                    answer: 0.0,
                     extract: 0.0,
                     extract_all: 0.0,
                 });
             } else {
                 simplify[i].push(to_simplify);
+                answer[i].push(to_answer);
                 extract[i].push(to_extract);
                 extract_all[i].push(to_extract_all);
             }
@@ -112,6 +118,7 @@ fn of_samples<T: Sample + Threshold>(
     let unit = median(&mut of_grid);
     for (i, times) in times.iter_mut().enumerate() {
         times.simplify = median(&mut simplify[i]) / unit;
+        times.answer = median(&mut answer[i]) / unit;
         times.extract = median(&mut extract[i]) / unit;
         times.extract_all = median(&mut extract_all[i]) / unit;
     }
@@ -120,10 +127,7 @@ fn of_samples<T: Sample + Threshold>(
 
 /// Makes what a mesh is: positions of the precision of files, and triangles. Counts these.
 fn surface(grid: &Grid) -> u64 {
-    let found = extract(grid);
-    let position = |crossing: &Crossing| crossing.point().map(|x| x as f32);
-    let positions: Vec<[f32; 3]> = found.crossings.iter().map(position).collect();
-    black_box(positions);
+    let found = black_box(extract(grid, |crossing| crossing.point().map(|x| x as f32)));
     found.triangles.len() as u64
 }
 

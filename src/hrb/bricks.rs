@@ -3,241 +3,261 @@
 use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
-use super::{HrbOctree, Value, octree::Child};
-use crate::mesh::{Border, Brick, Grid, SIDE, VOXELS};
-
-/// A brick of 8³ samples in the octree.
-#[derive(Clone, Copy)]
-enum Place {
-    /// Divided: the number of its node.
-    Divided(usize),
-    /// All of it is in one region.
-    Whole,
-}
+use super::{
+    HrbOctree, Value,
+    octree::{BRICK_LEVEL, Tree, child},
+};
+use crate::mesh::{Border, Brick, Grid, SIDE, VOXELS, offset};
 
 /// Some samples of a brick are inside, some are not.
 const INSIDE: u8 = 1;
 const OUTSIDE: u8 = 2;
 const BOTH: u8 = INSIDE | OUTSIDE;
 
+/// On which sides the samples of bricks are, with a layer of bricks around the volume.
+struct Sides {
+    /// Bricks along each axis, x fastest.
+    n: [usize; 3],
+    sides: Vec<u8>,
+}
+
 impl<V: Value> HrbOctree<V> {
     /// Everything that a mesh of the isosurface needs: what is `isovalue` or above is inside.
     #[must_use]
     pub fn grid(&self, isovalue: f64, border: Border) -> Grid {
-        let near = self.near(isovalue, border);
-        let mut places: FxHashSet<[u32; 3]> = near.iter().copied().collect();
-        for &place in &near {
-            self.add_base(place, &mut places);
+        let sides = self.sides(isovalue, border);
+        let brick = |&slot: &usize| self.brick(sides.place(slot), isovalue, border);
+        let (mixed, others): (Vec<usize>, Vec<usize>) =
+            sides.near().into_iter().partition(|&slot| sides.sides[slot] == BOTH);
+        let mut bricks: Vec<Brick> = mixed.par_iter().map(brick).collect();
+        let mut numbers = vec![usize::MAX; sides.sides.len()];
+        mixed.iter().enumerate().for_each(|(number, &slot)| numbers[slot] = number);
+        let is_met = |slot: &&usize| {
+            // What lies beyond the volume is like the samples at its border.
+            self.whole_brick(sides.place(**slot)).is_none()
+                || sides.is_met(**slot, |slot| bricks.get(numbers[slot]))
+        };
+        let met: Vec<Brick> = others.par_iter().filter(is_met).map(brick).collect();
+        bricks.extend(met);
+        let mut places: FxHashSet<[u32; 3]> = bricks.iter().map(|brick| brick.place).collect();
+        let mut bases = Vec::new();
+        for brick in &bricks {
+            self.bases(brick.place, |place| {
+                if places.insert(place) {
+                    bases.push(place);
+                }
+            });
         }
-        let places: Vec<[u32; 3]> = places.into_iter().collect();
-        let brick = |place: [u32; 3]| self.brick(place, isovalue, border);
-        let bricks = places.into_par_iter().map(brick).collect();
-        Grid::new(bricks, self.size, isovalue, border)
+        bricks.par_extend(bases.into_par_iter().map(|place| self.brick(place, isovalue, border)));
+        Grid::new(bricks, self.size, border)
     }
 
-    /// The bricks next to which the surface may be, with the layer around the volume.
-    fn near(&self, isovalue: f64, border: Border) -> Vec<[u32; 3]> {
+    /// On which sides the samples of every brick are.
+    fn sides(&self, isovalue: f64, border: Border) -> Sides {
         let n = self.size.map(|n| n.div_ceil(SIDE) as usize + 2);
-        let index = |[x, y, z]: [usize; 3]| x + n[0] * (y + n[1] * z);
         let beyond = if border == Border::Capped { OUTSIDE } else { 0 };
-        let mut sides = vec![beyond; n.iter().product()];
-        self.mark(0, 0, [0; 3], isovalue, &mut |base, level, side| {
+        let mut all = Sides { n, sides: vec![beyond; n.iter().product()] };
+        self.mark(&self.root, [0; 3], self.depth, isovalue, &mut |base, level, side| {
             let first = base.map(|i| (i / SIDE) as usize + 1);
             let count = ((1_usize << level) / SIDE as usize).max(1);
             let end = |axis: usize| (first[axis] + count).min(n[axis] - 1);
             for z in first[2]..end(2) {
                 for y in first[1]..end(1) {
-                    for x in first[0]..end(0) {
-                        sides[index([x, y, z])] = side;
-                    }
+                    let row = n[0] * (y + n[1] * z);
+                    all.sides[row + first[0].min(end(0))..row + end(0)].fill(side);
                 }
             }
         });
         if border == Border::Capped {
             // A brick that the border cuts has phantoms of its own.
-            for axis in 0..3 {
-                if !self.size[axis].is_multiple_of(SIDE) {
-                    for i in 0..sides.len() {
-                        let at = [i % n[0], i / n[0] % n[1], i / n[0] / n[1]];
-                        if at[axis] == n[axis] - 2 {
-                            sides[i] |= OUTSIDE;
-                        }
+            for axis in (0..3).filter(|&axis| !self.size[axis].is_multiple_of(SIDE)) {
+                for slot in 0..all.sides.len() {
+                    if all.place(slot)[axis] as usize == n[axis] - 2 {
+                        all.sides[slot] |= OUTSIDE;
                     }
                 }
             }
         }
-        // What is within one brick, along one axis after the other.
-        for axis in 0..3 {
-            let step = [1, n[0], n[0] * n[1]][axis];
-            let before = sides.clone();
-            for (i, side) in sides.iter_mut().enumerate() {
-                let at = i / step % n[axis];
-                let lower = if at > 0 { before[i - step] } else { 0 };
-                let upper = if at + 1 < n[axis] { before[i + step] } else { 0 };
-                *side |= lower | upper;
-            }
-        }
-        let near = sides.iter().enumerate().filter(|&(_, &side)| side == BOTH);
-        near.map(|(i, _)| [i % n[0], i / n[0] % n[1], i / n[0] / n[1]].map(|i| i as u32)).collect()
+        all
     }
 
-    /// Tells of every brick, and of regions that are larger, on which sides samples are.
+    /// Tells of every brick, and of parts that are larger, on which sides samples are.
     fn mark(
         &self,
-        depth: usize,
-        node: usize,
+        tree: &Tree<V>,
         base: [u32; 3],
+        level: u8,
         isovalue: f64,
         tell: &mut dyn FnMut([u32; 3], u8, u8),
     ) {
-        let side = |least: f64, most: f64| {
+        if !self.holds(base) {
+            return;
+        }
+        let side = |[least, most]: [V; 2]| {
+            let (least, most) = (least.to_f64(), most.to_f64());
+            // Without a number nothing is known.
+            if least.is_nan() || most.is_nan() {
+                return BOTH;
+            }
             let inside = if most >= isovalue { INSIDE } else { 0 };
             inside | if least >= isovalue { 0 } else { OUTSIDE }
         };
-        let of_value = |value: V| side(value.to_f64(), value.to_f64());
-        let level = self.depth - depth as u8;
-        let Some(nodes) = self.levels.get(depth) else {
-            return tell(base, level, of_value(self.root));
-        };
-        let [least, most] = nodes.ranges[node].map(V::to_f64);
-        let own = side(least, most);
-        if 1 << level == SIDE {
-            return tell(base, level, own);
-        }
-        // Without a number nothing is known.
-        if own != BOTH && !least.is_nan() {
-            return tell(base, level, own);
-        }
-        for c in 0..8 {
-            let half = 1 << (level - 1);
-            let base = [0, 1, 2].map(|axis| base[axis] + half * (c >> axis & 1));
-            if (0..3).any(|axis| base[axis] >= self.size[axis]) {
-                continue;
-            }
-            match nodes.child(node, c) {
-                Child::Divided(child) => self.mark(depth + 1, child, base, isovalue, tell),
-                Child::Region(value) => tell(base, level - 1, of_value(nodes.values[value])),
-            }
+        match tree {
+            Tree::Region { value, .. } if value.to_f64().is_nan() => tell(base, level, OUTSIDE),
+            Tree::Region { value, .. } => tell(base, level, side([*value; 2])),
+            Tree::Brick(brick) => tell(base, BRICK_LEVEL, side(brick.range)),
+            Tree::Node(node) => match side(node.range) {
+                BOTH => {
+                    for (c, tree) in node.children.iter().enumerate() {
+                        self.mark(tree, child(base, level, c), level - 1, isovalue, tell);
+                    }
+                }
+                own => tell(base, level, own),
+            },
         }
     }
 
-    /// Adds the brick that holds the first sample of the region of a brick that is all of one region,
-    /// and those before and behind it, where its dual edges end.
-    fn add_base(&self, place: [u32; 3], places: &mut FxHashSet<[u32; 3]>) {
-        let Some(p) = self.first_sample(place) else { return };
-        let region = self.region_at(p);
-        if 1 << region.level <= SIDE {
+    /// Tells of the brick that holds the first sample of the region of a brick that is all of one
+    /// region, and of those before and behind it, where its dual edges end.
+    fn bases(&self, place: [u32; 3], mut tell: impl FnMut([u32; 3])) {
+        let Some(first) = self.first_sample(place) else { return };
+        let (Tree::Region { .. }, level) = self.brick_at(first) else { return };
+        if 1 << level <= SIDE {
             return;
         }
-        let base = region.base.map(|i| i / SIDE + 1);
-        places.insert(base);
-        let bricks = (1 << region.level) / SIDE;
+        let base = first.map(|i| (i >> level << level) / SIDE + 1);
+        tell(base);
+        let bricks = (1 << level) / SIDE;
         for axis in 0..3 {
             for beside in [base[axis] - 1, base[axis] + bricks] {
                 let mut place = base;
                 place[axis] = beside;
-                places.insert(place);
+                tell(place);
             }
         }
     }
 
     /// The first sample of a brick of the volume.
     fn first_sample(&self, place: [u32; 3]) -> Option<[u32; 3]> {
-        let mut first = [0; 3];
-        for axis in 0..3 {
-            first[axis] = place[axis].checked_sub(1)? * SIDE;
-            if first[axis] >= self.size[axis] {
-                return None;
-            }
-        }
-        Some(first)
+        let first = place.map(|i| i.wrapping_sub(1).wrapping_mul(SIDE));
+        self.holds(first).then_some(first)
+    }
+
+    /// The first sample of a brick that is in the volume wholly.
+    fn whole_brick(&self, place: [u32; 3]) -> Option<[u32; 3]> {
+        self.first_sample(place)
+            .filter(|first| (0..3).all(|axis| first[axis] + SIDE <= self.size[axis]))
     }
 
     /// The values and levels of a brick.
     pub(super) fn brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> Brick {
-        let first = self.first_sample(place);
-        let whole = first.filter(|first| (0..3).all(|axis| first[axis] + SIDE <= self.size[axis]));
-        let Some(first) = whole else { return self.border_brick(place, isovalue, border) };
-        match self.find(first) {
-            Place::Whole => {
-                let region = self.region_at(first);
-                Brick::new(place, vec![region.value.to_f64()], vec![region.level], isovalue)
+        let Some(first) = self.whole_brick(place) else {
+            return self.border_brick(place, isovalue, border);
+        };
+        match self.brick_at(first) {
+            (Tree::Region { value, .. }, level) => {
+                Brick::new(place, &[offset(value.to_f64(), isovalue)], &[level])
             }
-            Place::Divided(node) => {
-                let (mut values, mut levels) = (vec![0.0; VOXELS], vec![0; VOXELS]);
-                let depth = usize::from(self.depth) - SIDE.ilog2() as usize;
-                self.fill(depth, node, 0, 8, &mut values, &mut levels);
-                if levels.iter().all(|&level| level == 0) {
-                    levels = vec![0];
-                }
-                Brick::new(place, values, levels, isovalue)
+            (Tree::Brick(brick), _) if brick.is_finest() => {
+                Brick::new(place, &self.offsets(first, isovalue), &[0])
             }
+            _ => Brick::new(place, &self.offsets(first, isovalue), &self.levels(first)),
         }
     }
 
-    /// Where a brick of the volume is in the octree.
-    fn find(&self, first: [u32; 3]) -> Place {
-        let mut node = 0;
-        let n = usize::from(self.depth) - SIDE.ilog2() as usize;
-        for (nodes, level) in
-            self.levels[..n.min(self.levels.len())].iter().zip((0..self.depth).rev())
-        {
-            let c = (0..3).fold(0, |c, axis| c | (first[axis] >> level & 1) << axis);
-            match nodes.child(node, c) {
-                Child::Divided(child) => node = child,
-                Child::Region(_) => return Place::Whole,
-            }
+    /// The values at the samples of the brick that begins there.
+    fn offsets(&self, first: [u32; 3], isovalue: f64) -> [f32; VOXELS] {
+        let of = |value: V| offset(value.to_f64(), isovalue);
+        let mut offsets = [0.0; VOXELS];
+        match self.brick_at(first).0 {
+            Tree::Region { value, .. } => offsets = [of(*value); VOXELS],
+            Tree::Brick(brick) => brick.spread(of, &mut offsets),
+            Tree::Node(_) => unreachable!("nodes end in bricks and regions"),
         }
-        if self.levels.is_empty() { Place::Whole } else { Place::Divided(node) }
+        offsets
     }
 
-    /// Writes the values and levels of a node, whose first voxel is number `first` of the brick.
-    fn fill(
-        &self,
-        depth: usize,
-        node: usize,
-        first: usize,
-        side: usize,
-        values: &mut [f64],
-        levels: &mut [u8],
-    ) {
-        let nodes = &self.levels[depth];
-        let half = side / 2;
-        for c in 0..8 {
-            let first = first + half * ((c & 1) + 8 * (c >> 1 & 1) + 64 * (c >> 2));
-            match nodes.child(node, c as u32) {
-                Child::Divided(child) => self.fill(depth + 1, child, first, half, values, levels),
-                Child::Region(value) => {
-                    let (value, level) = (nodes.values[value].to_f64(), half.ilog2() as u8);
-                    for z in 0..half {
-                        for y in 0..half {
-                            let row = first + 8 * y + 64 * z;
-                            values[row..row + half].fill(value);
-                            levels[row..row + half].fill(level);
-                        }
-                    }
-                }
-            }
+    /// The levels of the regions of the samples of the brick that begins there.
+    fn levels(&self, first: [u32; 3]) -> [u8; VOXELS] {
+        let mut levels = [0; VOXELS];
+        match self.brick_at(first) {
+            (Tree::Brick(brick), _) => brick.levels(&mut levels),
+            (_, level) => levels = [level; VOXELS],
         }
+        levels
     }
 
-    /// A brick with phantoms.
+    /// A brick with phantoms: what lies beyond the volume is like the samples at its border, which are
+    /// those of one brick.
     fn border_brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> Brick {
-        let (mut values, mut levels) = (Vec::with_capacity(VOXELS), Vec::with_capacity(VOXELS));
-        for i in 0..VOXELS as u32 {
-            let within = [i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE];
-            let mut is_beyond = false;
-            let p = [0, 1, 2].map(|axis| {
-                let at = place[axis] * SIDE + within[axis];
-                let inside = at.clamp(SIDE, SIDE + self.size[axis] - 1);
-                is_beyond |= inside != at;
-                inside - SIDE
-            });
-            let region = self.region_at(p);
+        let at = |axis: usize, i: usize| place[axis] * SIDE + i as u32;
+        let clamped = |axis: usize, i| at(axis, i).clamp(SIDE, SIDE + self.size[axis] - 1) - SIDE;
+        let first = [0, 1, 2].map(|axis| clamped(axis, 0) / SIDE * SIDE);
+        let (offsets, levels) = (self.offsets(first, isovalue), self.levels(first));
+        let side = SIDE as usize;
+        let [places, beyond] = {
+            let mut places = [[0; SIDE as usize]; 3];
+            let mut beyond = places;
+            for axis in 0..3 {
+                for i in 0..side {
+                    places[axis][i] = (clamped(axis, i) - first[axis]) as usize;
+                    beyond[axis][i] = usize::from(clamped(axis, i) + SIDE != at(axis, i));
+                }
+            }
+            [places, beyond]
+        };
+        let (mut own_offsets, mut own_levels) = ([0.0; VOXELS], [0; VOXELS]);
+        for i in 0..VOXELS {
+            let [x, y, z] = [i % side, i / side % side, i / side / side];
+            let from = places[0][x] + side * (places[1][y] + side * places[2][z]);
+            let is_beyond = beyond[0][x] + beyond[1][y] + beyond[2][z] > 0;
             let is_outside = is_beyond && border == Border::Capped;
-            values.push(if is_outside { f64::NEG_INFINITY } else { region.value.to_f64() });
-            levels.push(region.level);
+            own_offsets[i] = if is_outside { f32::MIN } else { offsets[from] };
+            own_levels[i] = levels[from];
         }
-        Brick::new(place, values, levels, isovalue)
+        Brick::new(place, &own_offsets, &own_levels)
+    }
+}
+
+impl Sides {
+    /// Where a brick is.
+    fn place(&self, slot: usize) -> [u32; 3] {
+        let [nx, ny, _] = self.n;
+        [slot % nx, slot / nx % ny, slot / nx / ny].map(|i| i as u32)
+    }
+
+    /// The bricks that have, with the 26 around, samples on both sides.
+    fn near(&self) -> Vec<usize> {
+        let mut near = self.sides.clone();
+        // One axis after the other.
+        for axis in 0..3 {
+            let step = [1, self.n[0], self.n[0] * self.n[1]][axis];
+            let before = near.clone();
+            for (slot, side) in near.iter_mut().enumerate() {
+                let at = slot / step % self.n[axis];
+                let lower = if at > 0 { before[slot - step] } else { 0 };
+                let upper = if at + 1 < self.n[axis] { before[slot + step] } else { 0 };
+                *side |= lower | upper;
+            }
+        }
+        (0..near.len()).filter(|&slot| near[slot] == BOTH).collect()
+    }
+
+    /// Whether samples next to a brick that is on one side are on the other; `mixed` has the bricks
+    /// on both sides.
+    fn is_met<'a>(&self, slot: usize, mixed: impl Fn(usize) -> Option<&'a Brick>) -> bool {
+        let place = self.place(slot);
+        (0..27).any(|k| {
+            let step = [k % 3, k / 3 % 3, k / 9];
+            let at = [0, 1, 2].map(|axis| (place[axis] as usize + step[axis]).wrapping_sub(1));
+            if (0..3).any(|axis| at[axis] >= self.n[axis]) {
+                return false;
+            }
+            let beside = at[0] + self.n[0] * (at[1] + self.n[1] * at[2]);
+            match mixed(beside) {
+                Some(brick) => brick.meets(step, self.sides[slot] == OUTSIDE),
+                None => self.sides[slot] | self.sides[beside] == BOTH,
+            }
+        })
     }
 }

@@ -1,5 +1,5 @@
-//! From samples to regions, in one pass: subtrees of 64³ samples by themselves, each from bricks of
-//! 8³, then the nodes above them.
+//! From samples to regions, in one pass: bricks of 8³ samples by themselves, then the nodes above
+//! them.
 //!
 //! A node becomes one region if its own samples, not the means of its children, are alike: errors do
 //! not add up from level to level. Nodes that reach beyond the volume are always divided.
@@ -7,9 +7,11 @@
 use rayon::prelude::*;
 
 use super::{
-    octree::{HrbOctree, Level},
+    brick::Brick,
+    octree::{BRICK_LEVEL, HrbOctree, Node, Tree, child},
     sample::{Sample, Value},
 };
+use crate::mesh::{SIDE, VOXELS};
 
 /// When samples are alike.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,17 +32,17 @@ pub enum Criterion {
     Deviation,
 }
 
-/// Edge of a brick, as a power of two.
-const BRICK_LEVEL: u8 = 3;
-const BRICK: usize = 512;
 /// Edge of a subtree that one thread builds, as a power of two.
-const SUBTREE_LEVEL: u8 = 7;
+const SUBTREE_LEVEL: u8 = 6;
+/// Parts of 2³ samples in a brick.
+const PARTS: usize = 64;
 
 /// What is known of the samples in a node.
 #[derive(Clone, Copy)]
 struct Summary<T: Sample> {
     least: T,
     most: T,
+    /// Counted only where a tolerance asks for means.
     sum: T::Sum,
     /// Samples.
     n: u64,
@@ -48,29 +50,15 @@ struct Summary<T: Sample> {
     is_cut: bool,
 }
 
-/// What became of a node.
-#[derive(Clone, Copy)]
-enum State<T: Sample> {
-    /// It has no samples.
-    Beyond,
-    /// One region.
-    Region(Summary<T>),
-    /// Divided.
-    Divided(Summary<T>),
-}
-
 /// A volume and when its samples are alike.
-struct Builder<'a, T> {
-    samples: &'a [T],
-    size: [u32; 3],
-    tolerance: Tolerance,
+pub(super) struct Builder<'a, T> {
+    pub(super) samples: &'a [T],
+    pub(super) size: [u32; 3],
+    pub(super) tolerance: Tolerance,
 }
 
-/// A node with the levels of what is divided below it, its own first.
-struct Subtree<T: Sample> {
-    levels: Vec<Level<T::Value>>,
-    state: State<T>,
-}
+/// What became of a node, and what is known of its samples, if it has any.
+type Built<T> = (Tree<<T as Sample>::Value>, Option<Summary<T>>);
 
 impl<V: Value> HrbOctree<V> {
     /// The regions of a volume of `size` samples, x fastest.
@@ -88,156 +76,138 @@ impl<V: Value> HrbOctree<V> {
         let longest = size.into_iter().max().unwrap_or(1);
         assert!(longest <= 1 << 20, "samples are counted in 20 bits an axis");
         let depth = (longest.next_power_of_two().ilog2() as u8).max(BRICK_LEVEL);
-        let builder = Builder { samples, size, tolerance };
-        let Subtree { mut levels, state } = builder.subtree([0; 3], depth);
-        let root = match state {
-            State::Region(summary) => value(&summary),
-            _ => T::Value::default(),
-        };
-        levels.iter_mut().for_each(Level::count);
-        Self { size, depth, levels, root }
+        let (root, _) = Builder { samples, size, tolerance }.node([0; 3], depth);
+        Self { size, depth, root }
     }
 }
 
 impl<T: Sample> Builder<'_, T> {
-    /// Builds a node with edges of `2^level` samples, by all threads.
-    fn subtree(&self, base: [u32; 3], level: u8) -> Subtree<T> {
-        let mut levels: Vec<Level<T::Value>> = (0..level).map(|_| Level::default()).collect();
-        if level <= SUBTREE_LEVEL || self.is_beyond(base) {
-            let state = self.node(base, level, &mut levels);
-            return Subtree { levels, state };
+    /// Builds a node with edges of `2^level` samples.
+    fn node(&self, base: [u32; 3], level: u8) -> Built<T> {
+        if (0..3).any(|axis| base[axis] >= self.size[axis]) {
+            return (Tree::region(T::Value::default()), None);
         }
-        let children: Vec<Subtree<T>> = (0..8)
-            .into_par_iter()
-            .map(|c| self.subtree(child(base, level, c), level - 1))
-            .collect();
-        let states = std::array::from_fn(|c| children[c].state);
-        let state = self.parent(&states, &mut levels[0]);
-        if let State::Divided(_) = state {
-            for (below, all) in levels[1..].iter_mut().enumerate() {
-                children.iter().for_each(|child| all.append(&child.levels[below]));
+        if level == BRICK_LEVEL {
+            return self.brick(base);
+        }
+        let build = |c: usize| self.node(child(base, level, c), level - 1);
+        let children: [Built<T>; 8] = if level > SUBTREE_LEVEL {
+            let children: Vec<Built<T>> = (0..8).into_par_iter().map(build).collect();
+            match children.try_into() {
+                Ok(children) => children,
+                Err(_) => unreachable!("eight children"),
+            }
+        } else {
+            std::array::from_fn(build)
+        };
+        let summary =
+            children.iter().map(|(_, summary)| *summary).reduce(Summary::joined).flatten();
+        match summary {
+            Some(of_all) if self.is_divided(&of_all) => {
+                let children = children.map(|(tree, _)| tree);
+                (Tree::Node(Box::new(Node { children, range: of_all.range() })), summary)
+            }
+            Some(of_all) => (Tree::region(of_all.value()), summary),
+            None => (Tree::region(T::Value::default()), None),
+        }
+    }
+
+    /// Builds a node of 8³ samples.
+    fn brick(&self, base: [u32; 3]) -> Built<T> {
+        let left = [0, 1, 2].map(|axis| (self.size[axis] - base[axis]).min(SIDE) as usize);
+        let row = |y: usize, z: usize| {
+            let start = self.index([base[0], base[1] + y as u32, base[2] + z as u32]);
+            &self.samples[start..start + left[0]]
+        };
+        let first = row(0, 0)[0];
+        if left == [SIDE as usize; 3] {
+            let is_first =
+                |row: &[T]| row.iter().fold(true, |all, &sample| all & (sample == first));
+            if (0..64).all(|i| is_first(row(i % 8, i / 8))) {
+                return (Tree::region(first.value()), Some(Summary::of(first, VOXELS as u64)));
             }
         }
-        Subtree { levels, state }
+        let parts = Parts::of(first, left, row);
+        let n = left.iter().map(|&n| n as u64).product();
+        let summary = Summary { n, ..self.summary(&parts, 0, PARTS) };
+        if !self.is_divided(&summary) {
+            return (Tree::region(summary.value()), Some(summary));
+        }
+        let (fours, twos) = self.divided(&parts);
+        let n = 8 + 7 * (fours.count_ones() + twos.count_ones()) as usize;
+        let mut values = Vec::with_capacity(n);
+        if twos == u64::MAX {
+            values.extend((0..VOXELS).map(|m| parts.sample(m / 8, m % 8).value()));
+        } else {
+            for c in 0..8 {
+                if fours >> c & 1 == 0 {
+                    values.push(self.summary(&parts, 8 * c, 8).value());
+                    continue;
+                }
+                for g in 8 * c..8 * c + 8 {
+                    match twos >> g & 1 {
+                        0 => values.push(self.summary(&parts, g, 1).value()),
+                        _ => values.extend((0..8).map(|c| parts.sample(g, c).value())),
+                    }
+                }
+            }
+        }
+        let (values, corners) = (values.into(), Box::default());
+        let brick = Brick { fours, twos, values, corners, range: summary.range() };
+        (Tree::Brick(Box::new(brick)), Some(summary))
     }
 
-    /// Builds a node; what is divided is put at the end of `levels`, its own level first.
-    fn node(&self, base: [u32; 3], level: u8, levels: &mut [Level<T::Value>]) -> State<T> {
-        if self.is_beyond(base) {
-            return State::Beyond;
-        }
-        if level == 0 {
-            let sample = self.samples[self.index(base)];
-            return State::Region(Summary {
-                least: sample,
-                most: sample,
-                sum: sample.sum(),
-                n: 1,
-                is_cut: false,
-            });
-        }
-        if level == BRICK_LEVEL && (0..3).all(|axis| base[axis] + 8 <= self.size[axis]) {
-            return self.brick(base, levels);
-        }
-        self.divided(levels, |c, below| self.node(child(base, level, c), level - 1, below))
-    }
-
-    /// What becomes of a node whose children `build` puts behind those before them.
-    fn divided(
-        &self,
-        levels: &mut [Level<T::Value>],
-        mut build: impl FnMut(u32, &mut [Level<T::Value>]) -> State<T>,
-    ) -> State<T> {
-        let Some((own, below)) = levels.split_first_mut() else {
-            unreachable!("a level for every node above samples")
-        };
-        let mut marks = [[0; 2]; MAX_DEPTH];
-        for (mark, level) in marks.iter_mut().zip(&*below) {
-            *mark = [level.divided.len(), level.values.len()];
-        }
-        let children = std::array::from_fn(|c| build(c as u32, below));
-        let state = self.parent(&children, own);
-        if !matches!(state, State::Divided(_)) {
-            below.iter_mut().zip(marks).for_each(|(level, mark)| level.truncate(mark));
-        }
-        state
-    }
-
-    /// What becomes of a node with these children; if it is divided it is put into `level`.
+    /// Which parts of 4³ samples, and of those which parts of 2³, are divided.
     #[inline]
-    fn parent(&self, children: &[State<T>; 8], level: &mut Level<T::Value>) -> State<T> {
-        let mut whole: Option<Summary<T>> = None;
-        let mut is_beyond = false;
-        for child in children {
-            match child {
-                State::Beyond => is_beyond = true,
-                State::Region(summary) | State::Divided(summary) => {
-                    whole = Some(whole.map_or(*summary, |whole| whole.with(summary)));
+    fn divided(&self, parts: &Parts<T>) -> (u8, u64) {
+        let (mut fours, mut twos) = (0, 0);
+        for g in 0..PARTS {
+            // No number differs from itself.
+            twos |= u64::from(parts.least[g] != parts.most[g]) << g;
+        }
+        // Without a tolerance that is all.
+        let is_exact = self.tolerance == Tolerance::default() && parts.is_whole();
+        for c in 0..8 {
+            let own = 0xff << (8 * c);
+            let is_divided = if is_exact {
+                let all = &parts.least[8 * c..8 * c + 8];
+                twos & own != 0 || all.iter().any(|sample| *sample != all[0])
+            } else {
+                self.is_divided(&self.summary(parts, 8 * c, 8))
+            };
+            if !is_divided {
+                twos &= !own;
+                continue;
+            }
+            fours |= 1 << c;
+            if !is_exact {
+                for g in 8 * c..8 * c + 8 {
+                    let is_divided = self.is_divided(&self.summary(parts, g, 1));
+                    twos = twos & !(1 << g) | u64::from(is_divided) << g;
                 }
             }
         }
-        let Some(mut summary) = whole else { return State::Beyond };
-        summary.is_cut |= is_beyond;
-        if !summary.is_cut && self.is_alike(&summary) {
-            return State::Region(summary);
-        }
-        let mut divided = 0;
-        for (c, child) in children.iter().enumerate() {
-            match child {
-                State::Beyond => level.values.push(T::Value::default()),
-                State::Region(summary) => level.values.push(value(summary)),
-                State::Divided(_) => divided |= 1 << c,
-            }
-        }
-        level.divided.push(divided);
-        level.ranges.push([summary.least.value(), summary.most.value()]);
-        State::Divided(summary)
+        (fours, twos)
     }
 
-    /// Builds a brick of 8³ samples.
-    fn brick(&self, base: [u32; 3], levels: &mut [Level<T::Value>]) -> State<T> {
-        // Sample c of pair g stands at 64 c + g: the samples of all pairs are compared at once.
-        let mut samples = [self.samples[self.index(base)]; BRICK];
-        for z in 0..8_usize {
-            for y in 0..8_usize {
-                let first = self.index([base[0], base[1] + y as u32, base[2] + z as u32]);
-                let row = &self.samples[first..first + 8];
-                let c = (y & 1) << 1 | (z & 1) << 2;
-                let g = SPREAD[y >> 1] << 1 | SPREAD[z >> 1] << 2;
-                for x in 0..8 {
-                    samples[64 * (c | x & 1) + (g | SPREAD[x >> 1])] = row[x];
-                }
-            }
+    /// What is known of `n` parts of a brick from `first` on: one, a part of 4³ samples, or all.
+    #[inline]
+    fn summary(&self, parts: &Parts<T>, first: usize, n: usize) -> Summary<T> {
+        let all = first..first + n;
+        let mut summary = Summary::of(parts.least[first], 8 * n as u64);
+        for g in all.clone() {
+            summary.least = summary.least.least(parts.least[g]);
+            summary.most = summary.most.most(parts.most[g]);
         }
-        let (mut least, mut most) = ([samples[0]; 64], [samples[0]; 64]);
-        least.copy_from_slice(&samples[..64]);
-        most.copy_from_slice(&samples[..64]);
-        for c in 1..8 {
-            for g in 0..64 {
-                let sample = samples[64 * c + g];
-                least[g] = least[g].least(sample);
-                most[g] = most[g].most(sample);
-            }
+        summary.is_cut = parts.is_cut(first, n);
+        // Otherwise regions are their samples, and no mean is asked for.
+        if self.tolerance != Tolerance::default() {
+            let samples = all.flat_map(|g| (0..8).map(move |c| (g, c)));
+            let sums =
+                samples.filter(|&(g, c)| parts.holds(g, c)).map(|(g, c)| parts.sample(g, c).sum());
+            summary.sum = sums.reduce(T::add).unwrap_or(summary.sum);
         }
-        let pair = |g: usize, level: &mut Level<T::Value>| {
-            let of_pair = |c: usize| samples[64 * c + g];
-            let sum = (1..8).fold(of_pair(0).sum(), |sum, c| T::add(sum, of_pair(c).sum()));
-            let summary = Summary { least: least[g], most: most[g], sum, n: 8, is_cut: false };
-            if self.is_alike(&summary) {
-                return State::Region(summary);
-            }
-            level.divided.push(0);
-            level.ranges.push([summary.least.value(), summary.most.value()]);
-            level.values.extend((0..8).map(|c| of_pair(c).value()));
-            State::Divided(summary)
-        };
-        self.divided(levels, |four, below| {
-            self.divided(below, |two, below| pair((8 * four + two) as usize, &mut below[0]))
-        })
-    }
-
-    fn is_beyond(&self, base: [u32; 3]) -> bool {
-        (0..3).any(|axis| base[axis] >= self.size[axis])
+        summary
     }
 
     fn index(&self, [x, y, z]: [u32; 3]) -> usize {
@@ -246,51 +216,136 @@ impl<T: Sample> Builder<'_, T> {
     }
 
     #[inline]
-    fn is_alike(&self, Summary { least, most, sum, n, .. }: &Summary<T>) -> bool {
+    fn is_divided(&self, summary: &Summary<T>) -> bool {
         let Tolerance { epsilon, criterion } = self.tolerance;
         // What is no number is like nothing.
-        let (low, high) = (least.to_f64(), most.to_f64());
-        match criterion {
+        let (low, high) = (summary.least.to_f64(), summary.most.to_f64());
+        let is_alike = match criterion {
+            _ if summary.least == summary.most => true,
             Criterion::Range => high - low <= epsilon,
             Criterion::Deviation => {
-                let mean = T::mean(*sum, *n).to_f64();
+                let mean = T::mean(summary.sum, summary.n).to_f64();
                 high - mean <= epsilon && mean - low <= epsilon
             }
-        }
+        };
+        summary.is_cut || !is_alike
     }
 }
 
-/// Levels of an octree, at most.
-const MAX_DEPTH: usize = 21;
+/// The samples of a brick, by parts of 2³ in Morton order: those of all parts can be compared at once.
+/// What is beyond the volume stands there like the brick's first sample.
+struct Parts<T> {
+    /// Sample c of part g at 64 c + g.
+    samples: [T; VOXELS],
+    /// Of every part, the least and the largest sample.
+    least: [T; PARTS],
+    most: [T; PARTS],
+    /// Samples of the volume along each axis.
+    left: [usize; 3],
+}
+
+impl<T: Sample> Parts<T> {
+    #[inline]
+    fn of<'a>(first: T, left: [usize; 3], row: impl Fn(usize, usize) -> &'a [T]) -> Self
+    where
+        T: 'a,
+    {
+        let mut samples = [first; VOXELS];
+        for i in 0..SIDE as usize * SIDE as usize {
+            let [y, z] = [i % 8, i / 8];
+            if y >= left[1] || z >= left[2] {
+                continue;
+            }
+            let mut all = [first; SIDE as usize];
+            match row(y, z).try_into() {
+                Ok(row) => all = row,
+                Err(_) => all[..left[0]].copy_from_slice(row(y, z)),
+            }
+            let start =
+                2 * PARTS * (y & 1) + 4 * PARTS * (z & 1) + 2 * SPREAD[y / 2] + 4 * SPREAD[z / 2];
+            for x in 0..8 {
+                samples[start + PARTS * (x & 1) + SPREAD[x / 2]] = all[x];
+            }
+        }
+        let (mut least, mut most) = ([first; PARTS], [first; PARTS]);
+        least.copy_from_slice(&samples[..PARTS]);
+        most.copy_from_slice(&samples[..PARTS]);
+        for c in 1..8 {
+            for g in 0..PARTS {
+                let sample = samples[PARTS * c + g];
+                least[g] = least[g].least(sample);
+                most[g] = most[g].most(sample);
+            }
+        }
+        Self { samples, least, most, left }
+    }
+
+    #[inline]
+    fn sample(&self, g: usize, c: usize) -> T {
+        self.samples[PARTS * c + g]
+    }
+
+    /// Whether all samples are the volume's.
+    #[inline]
+    fn is_whole(&self) -> bool {
+        self.left == [SIDE as usize; 3]
+    }
+
+    /// Whether a sample is one of the volume's.
+    #[inline]
+    fn holds(&self, g: usize, c: usize) -> bool {
+        (0..3).all(|axis| first_of(g, axis) + (c >> axis & 1) < self.left[axis])
+    }
+
+    /// Whether of `n` parts some samples are the volume's and some are not.
+    #[inline]
+    fn is_cut(&self, first: usize, n: usize) -> bool {
+        if self.is_whole() {
+            return false;
+        }
+        let side = [2, 4, 8][n.ilog2() as usize / 3];
+        (0..3).all(|axis| first_of(first, axis) < self.left[axis])
+            && (0..3).any(|axis| first_of(first, axis) + side > self.left[axis])
+    }
+}
+
+/// Where a part of a brick begins along an axis.
+#[inline]
+fn first_of(g: usize, axis: usize) -> usize {
+    2 * (g >> axis & 1) + 4 * (g >> (axis + 3) & 1)
+}
 
 /// Two bits with room for two others between them.
 const SPREAD: [usize; 4] = [0, 1, 8, 9];
 
-/// The first sample of child `c` of a node.
-fn child(base: [u32; 3], level: u8, c: u32) -> [u32; 3] {
-    let half = 1 << (level - 1);
-    [0, 1, 2].map(|axis| base[axis] + half * (c >> axis & 1))
-}
-
-/// What a region keeps: its samples, if they are the same, or their mean.
-#[inline]
-fn value<T: Sample>(summary: &Summary<T>) -> T::Value {
-    if summary.least == summary.most {
-        summary.least.value()
-    } else {
-        T::mean(summary.sum, summary.n)
-    }
-}
-
 impl<T: Sample> Summary<T> {
+    /// Of `n` samples like this one.
     #[inline]
-    fn with(&self, other: &Self) -> Self {
-        Self {
-            least: self.least.least(other.least),
-            most: self.most.most(other.most),
-            sum: T::add(self.sum, other.sum),
-            n: self.n + other.n,
-            is_cut: self.is_cut || other.is_cut,
-        }
+    fn of(sample: T, n: u64) -> Self {
+        Self { least: sample, most: sample, sum: T::times(sample, n), n, is_cut: false }
+    }
+
+    /// Of two nodes; what has no samples lies beyond the volume.
+    fn joined(a: Option<Self>, b: Option<Self>) -> Option<Self> {
+        let (Some(a), Some(b)) = (a, b) else {
+            return a.or(b).map(|one| Self { is_cut: true, ..one });
+        };
+        Some(Self {
+            least: a.least.least(b.least),
+            most: a.most.most(b.most),
+            sum: T::add(a.sum, b.sum),
+            n: a.n + b.n,
+            is_cut: a.is_cut || b.is_cut,
+        })
+    }
+
+    /// What a region keeps: its samples, if they are the same, or their mean.
+    #[inline]
+    fn value(&self) -> T::Value {
+        if self.least == self.most { self.least.value() } else { T::mean(self.sum, self.n) }
+    }
+
+    fn range(&self) -> [T::Value; 2] {
+        [self.least.value(), self.most.value()]
     }
 }

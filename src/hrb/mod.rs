@@ -2,8 +2,10 @@
 //!
 //! *Based on:* A. León Salas, 2008, chapters 2 and 3.
 
+mod brick;
 mod bricks;
 mod build;
+mod corners;
 mod evaluate;
 mod octree;
 mod sample;

@@ -1,7 +1,13 @@
-//! An octree of regions without pointers: a level holds a byte for every node that is divided, which
-//! children are divided too, and the values of the others, all in Morton order.
+//! An octree of regions: nodes down to bricks of 8³ samples, and in every brick that is divided two
+//! masks and the values of its regions, in Morton order.
+//!
+//! A brick owns what it holds, so that a change of some samples touches their bricks and the nodes
+//! above them alone.
 
-use super::sample::Value;
+use super::{brick::Brick, sample::Value};
+
+/// Edge of a brick, as a power of two.
+pub(super) const BRICK_LEVEL: u8 = 3;
 
 /// A region of a volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +18,9 @@ pub struct Region<V> {
     pub level: u8,
     /// What all its samples are, or their mean.
     pub value: V,
+    /// Bit x + 2y + 4z: it answers for the dual cell at this corner; see
+    /// [`HrbOctree::assign_corners`].
+    pub corners: u8,
 }
 
 /// An octree of homogeneous regions. Nodes that lie beyond the volume count as regions; their values
@@ -21,23 +30,27 @@ pub struct HrbOctree<V> {
     pub(super) size: [u32; 3],
     /// The root's edge is `2^depth` samples.
     pub(super) depth: u8,
-    /// The root's first: the nodes with edges of `2^(depth - level)` samples that are divided.
-    pub(super) levels: Vec<Level<V>>,
-    /// What all is, if the root is not divided.
-    pub(super) root: V,
+    pub(super) root: Tree<V>,
 }
 
-/// The divided nodes of one level.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Level<V> {
-    /// Bit c: child x + 2y + 4z is divided.
-    pub(super) divided: Vec<u8>,
-    /// Divided children before every eighth node.
-    pub(super) before: Vec<u32>,
-    /// The values of the children that are not divided.
-    pub(super) values: Vec<V>,
-    /// The least and the largest sample of each node.
-    pub(super) ranges: Vec<[V; 2]>,
+/// A part of an octree.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Tree<V> {
+    /// Everything in it is alike, or lies beyond the volume.
+    Region { value: V, corners: u8 },
+    /// A divided node of 8³ samples.
+    Brick(Box<Brick<V>>),
+    /// A larger one.
+    Node(Box<Node<V>>),
+}
+
+/// A divided node that is larger than a brick.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Node<V> {
+    /// Child x + 2y + 4z.
+    pub(super) children: [Tree<V>; 8],
+    /// The least and the largest sample.
+    pub(super) range: [V; 2],
 }
 
 /// Counts and bytes, as the thesis has them and as they are.
@@ -47,6 +60,8 @@ pub struct Storage {
     pub nodes: u64,
     /// Regions.
     pub regions: u64,
+    /// Dual cells: corners that regions answer for; 0 before they are assigned.
+    pub cells: u64,
     /// Four bytes a node and three a region: a pointer, a value of two bytes and responsibilities.
     pub thesis_bytes: u64,
     /// Two bytes a sample.
@@ -65,22 +80,13 @@ impl<V: Value> HrbOctree<V> {
     /// Counts and bytes.
     #[must_use]
     pub fn storage(&self) -> Storage {
-        let nodes: u64 = self.levels.iter().map(|level| level.divided.len() as u64).sum();
-        let values: u64 = self.levels.iter().map(|level| level.values.len() as u64).sum();
-        let regions = if nodes == 0 { 1 } else { values };
-        let of_level = |level: &Level<V>| {
-            level.divided.len()
-                + 4 * level.before.len()
-                + size_of_val(level.values.as_slice())
-                + size_of_val(level.ranges.as_slice())
-        };
-        Storage {
-            nodes,
-            regions,
-            thesis_bytes: 4 * nodes + 3 * regions,
+        let mut storage = Storage {
             grid_bytes: 2 * self.size.iter().map(|&n| u64::from(n)).product::<u64>(),
-            resident_bytes: self.levels.iter().map(|level| of_level(level) as u64).sum(),
-        }
+            ..Storage::default()
+        };
+        self.root.count(&mut storage);
+        storage.thesis_bytes = 4 * storage.nodes + 3 * storage.regions;
+        storage
     }
 
     /// The region that holds a sample.
@@ -90,77 +96,63 @@ impl<V: Value> HrbOctree<V> {
     #[must_use]
     pub fn region_at(&self, p: [u32; 3]) -> Region<V> {
         assert!(p.iter().all(|&i| i >> self.depth == 0), "the sample lies in the root");
-        let (mut node, mut level) = (0, self.depth);
-        for nodes in &self.levels {
+        let (tree, level) = self.brick_at(p);
+        match tree {
+            Tree::Brick(brick) => brick.region_at(p),
+            Tree::Region { value, corners } => {
+                let base = p.map(|i| i >> level << level);
+                Region { base, level, value: *value, corners: *corners }
+            }
+            Tree::Node(_) => unreachable!("nodes end in bricks and regions"),
+        }
+    }
+
+    /// The brick that holds a sample, or the region if it is larger; and its level.
+    pub(super) fn brick_at(&self, p: [u32; 3]) -> (&Tree<V>, u8) {
+        let (mut tree, mut level) = (&self.root, self.depth);
+        while let Tree::Node(node) = tree {
             level -= 1;
-            let c = (0..3).fold(0, |c, axis| c | (p[axis] >> level & 1) << axis);
-            match nodes.child(node, c) {
-                Child::Divided(child) => node = child,
-                Child::Region(value) => {
-                    let base = p.map(|i| i >> level << level);
-                    return Region { base, level, value: nodes.values[value] };
-                }
+            tree = &node.children[octant(p, level)];
+        }
+        (tree, level)
+    }
+
+    /// Whether a sample, counted with wrapping, is one of the volume's.
+    pub(super) fn holds(&self, p: [u32; 3]) -> bool {
+        (0..3).all(|axis| p[axis] < self.size[axis])
+    }
+}
+
+impl<V: Value> Tree<V> {
+    pub(super) fn region(value: V) -> Self {
+        Self::Region { value, corners: 0 }
+    }
+
+    fn count(&self, storage: &mut Storage) {
+        match self {
+            Self::Region { corners, .. } => {
+                storage.regions += 1;
+                storage.cells += u64::from(corners.count_ones());
+            }
+            Self::Brick(brick) => brick.count(storage),
+            Self::Node(node) => {
+                storage.nodes += 1;
+                storage.resident_bytes += size_of::<Node<V>>() as u64;
+                node.children.iter().for_each(|child| child.count(storage));
             }
         }
-        Region { base: [0; 3], level: self.depth, value: self.root }
     }
 }
 
-/// A child of a divided node.
-pub(super) enum Child {
-    /// Its number among the nodes of the next level.
-    Divided(usize),
-    /// The number of its value.
-    Region(usize),
+/// The child, x + 2y + 4z, of a node that holds a sample; children have edges of `2^level`.
+#[inline]
+pub(super) fn octant(p: [u32; 3], level: u8) -> usize {
+    (0..3).fold(0, |c, axis| c | ((p[axis] >> level & 1) << axis) as usize)
 }
 
-impl<V> Level<V> {
-    /// Divided children of all nodes before this one.
-    #[inline]
-    pub(super) fn divided_before(&self, node: usize) -> usize {
-        let group = node / 8 * 8;
-        let within: u32 = self.divided[group..node].iter().map(|mask| mask.count_ones()).sum();
-        (self.before[node / 8] + within) as usize
-    }
-
-    /// Child `c` of a node.
-    #[inline]
-    pub(super) fn child(&self, node: usize, c: u32) -> Child {
-        let mask = self.divided[node];
-        let before = (mask & ((1_u8 << c) - 1)).count_ones() as usize;
-        let divided = self.divided_before(node) + before;
-        match mask >> c & 1 {
-            1 => Child::Divided(divided),
-            // All children before, less the divided ones.
-            _ => Child::Region(8 * node + c as usize - divided),
-        }
-    }
-
-    /// Drops the nodes and values beyond these numbers.
-    pub(super) fn truncate(&mut self, [nodes, values]: [usize; 2]) {
-        self.divided.truncate(nodes);
-        self.ranges.truncate(nodes);
-        self.values.truncate(values);
-    }
-
-    /// Adds the nodes of another subtree, which follow in Morton order.
-    pub(super) fn append(&mut self, next: &Self)
-    where
-        V: Copy,
-    {
-        self.divided.extend_from_slice(&next.divided);
-        self.ranges.extend_from_slice(&next.ranges);
-        self.values.extend_from_slice(&next.values);
-    }
-
-    /// Counts children once all nodes are there.
-    pub(super) fn count(&mut self) {
-        let mut sum = 0;
-        let count = |nodes: &[u8]| {
-            let before = sum;
-            sum += nodes.iter().map(|mask| mask.count_ones()).sum::<u32>();
-            before
-        };
-        self.before = self.divided.chunks(8).map(count).collect();
-    }
+/// The first sample of child `c` of a node with edges of `2^level` samples.
+#[inline]
+pub(super) fn child(base: [u32; 3], level: u8, c: usize) -> [u32; 3] {
+    let half = 1 << (level - 1);
+    [0, 1, 2].map(|axis| base[axis] + half * (c as u32 >> axis & 1))
 }

@@ -16,6 +16,9 @@ pub trait Sample: Copy + PartialOrd + Send + Sync {
     /// A sum of one.
     fn sum(self) -> Self::Sum;
 
+    /// A sum of `n` samples like this one.
+    fn times(self, n: u64) -> Self::Sum;
+
     /// Two sums together.
     fn add(a: Self::Sum, b: Self::Sum) -> Self::Sum;
 
@@ -92,6 +95,11 @@ impl Sample for u8 {
     }
 
     #[inline]
+    fn times(self, n: u64) -> i64 {
+        i64::from(self) * n as i64
+    }
+
+    #[inline]
     fn add(a: i64, b: i64) -> i64 {
         a + b
     }
@@ -123,6 +131,11 @@ macro_rules! integer {
             #[inline]
             fn sum(self) -> i64 {
                 self.into()
+            }
+
+            #[inline]
+            fn times(self, n: u64) -> i64 {
+                i64::from(self) * n as i64
             }
 
             #[inline]
@@ -165,6 +178,11 @@ impl Sample for f32 {
     #[inline]
     fn sum(self) -> f64 {
         self.into()
+    }
+
+    #[inline]
+    fn times(self, n: u64) -> f64 {
+        f64::from(self) * n as f64
     }
 
     #[inline]

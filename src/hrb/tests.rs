@@ -85,7 +85,8 @@ proptest! {
     ) {
         let samples = blocky(size, seed, 9);
         let octree = build(&samples, size, f64::from(epsilon));
-        let Extraction { crossings, triangles } = extract(&octree.grid(f64::from(isovalue), Border::Capped));
+        let grid = octree.grid(f64::from(isovalue), Border::Capped);
+        let Extraction { vertices, triangles } = extract(&grid, |crossing| *crossing);
         let mut uses = std::collections::HashMap::new();
         for &[a, b, c] in &triangles {
             for (from, to) in [(a, b), (b, c), (c, a)] {
@@ -93,12 +94,40 @@ proptest! {
             }
         }
         prop_assert!(uses.values().all(|&n| n == 0));
-        prop_assert!(triangles.as_flattened().iter().all(|&v| (v as usize) < crossings.len()));
+        prop_assert!(triangles.as_flattened().iter().all(|&v| (v as usize) < vertices.len()));
         // A region that is inside is enclosed: there are triangles if there is anything inside.
         let is_inside = |sample: &u8| u32::from(*sample) >= isovalue;
         if epsilon == 0 {
             prop_assert_eq!(samples.iter().any(is_inside), !triangles.is_empty());
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(20))]
+
+    /// Every corner of a region is the corner of one region that answers for it.
+    #[test]
+    fn every_corner_has_one_region_that_answers(
+        size in [1..24_u32, 1..24_u32, 1..24_u32], seed: u64, epsilon in 0..4_u32,
+    ) {
+        let samples = blocky(size, seed, 3);
+        let mut octree = build(&samples, size, f64::from(epsilon));
+        octree.assign_corners();
+        let mut answers = std::collections::HashMap::new();
+        for (i, _) in (0..).zip(&samples) {
+            let p = [i % size[0], i / size[0] % size[1], i / size[0] / size[1]];
+            let region = octree.region_at(p);
+            if region.base != p {
+                continue;
+            }
+            for c in 0..8 {
+                let corner = [0, 1, 2].map(|axis| p[axis] + ((c >> axis & 1) << region.level));
+                *answers.entry(corner).or_insert(0) += u32::from(region.corners >> c & 1);
+            }
+        }
+        prop_assert!(answers.values().all(|&n| n == 1));
+        prop_assert_eq!(octree.storage().cells, answers.len() as u64);
     }
 }
 

@@ -14,6 +14,6 @@ impl<V: Value> HrbOctree<V> {
         let place = |i: u32| [i % n[0], i / n[0] % n[1], i / n[0] / n[1]];
         let brick = |i: u32| self.brick(place(i), isovalue, border);
         let bricks = (0..n.iter().product()).into_par_iter().map(brick).collect();
-        Grid::new(bricks, self.size, isovalue, border)
+        Grid::new(bricks, self.size, border)
     }
 }

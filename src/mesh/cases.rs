@@ -15,13 +15,13 @@ use std::sync::LazyLock;
 pub(super) const N_EDGES: usize = 12;
 
 /// The octant at the lower end of an edge.
-pub(super) fn lower_octant(edge: usize) -> usize {
+pub(super) const fn lower_octant(edge: usize) -> usize {
     let (axis, j) = (edge / 4, edge % 4);
     (j & 1) << ((axis + 1) % 3) | (j >> 1) << ((axis + 2) % 3)
 }
 
 /// The axis of an edge.
-pub(super) fn axis_of(edge: usize) -> usize {
+pub(super) const fn axis_of(edge: usize) -> usize {
     edge / 4
 }
 

@@ -13,11 +13,14 @@
 //! *Based on:* A. León Salas, 2008, sections 2.3 and 2.4 (the dual grid, and crossings within half a
 //! voxel of the face that two voxels share).
 
+use std::{iter, ops::Range};
+
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::{
-    cases::{CASES, N_EDGES, axis_of, faces_of, fan, lower_octant},
-    grid::{Border, Grid, Leaf, VOXELS, index_of},
+    cases::{CASES, Case, N_EDGES, axis_of, faces_of, fan, lower_octant},
+    grid::{Border, Grid, Leaf, RUN, SIDE, VOXELS, index_of},
     halo::{Halo, WIDTH},
 };
 
@@ -31,12 +34,12 @@ const DIRECTIONS: usize = 6;
 const WORDS: usize = DIRECTIONS * VOXELS / 64;
 
 /// A vertex on a dual edge.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Crossing {
     /// The ends of the dual edge, in the finest voxels from the grid's first corner.
-    pub ends: [[f64; 3]; 2],
-    /// The values there.
-    pub values: [f64; 2],
+    pub ends: [[f32; 3]; 2],
+    /// How far the values there are above the isovalue.
+    pub offsets: [f32; 2],
     /// Where between the ends it is, in (0, 1].
     pub part: f64,
     /// Whether one of the ends is what a capped border has beyond it.
@@ -46,45 +49,75 @@ pub struct Crossing {
 impl Crossing {
     /// Where it is, in the finest voxels from the grid's first corner.
     #[must_use]
+    #[inline]
     pub fn point(&self) -> [f64; 3] {
-        let [a, b] = self.ends;
+        let [a, b] = self.ends.map(|end| end.map(f64::from));
         [0, 1, 2].map(|axis| a[axis] + self.part * (b[axis] - a[axis]))
+    }
+
+    /// The dual edge, from its inside end to the outside one.
+    pub(crate) fn outwards(&self) -> DVec3 {
+        let [a, b] = self.ends.map(|end| Vec3::from_array(end).as_dvec3());
+        if self.offsets[0] >= self.offsets[1] { b - a } else { a - b }
     }
 }
 
 /// Vertices and triangles, counter-clockwise as seen from outside. Cells that have collapsed may leave
 /// a vertex that no triangle has.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Extraction {
+pub struct Extraction<T = Crossing> {
     /// In the order of bricks, directions and voxels.
-    pub crossings: Vec<Crossing>,
+    pub vertices: Vec<T>,
     /// In the order of bricks and cells.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Finds the surface where values are the isovalue of `grid`.
+/// Finds the surface where values are the isovalue of `grid`; `vertex` makes what is kept of every
+/// crossing.
 #[must_use]
-pub fn extract(grid: &Grid) -> Extraction {
+pub fn extract<T: Copy + Default + Send>(
+    grid: &Grid,
+    vertex: impl Fn(&Crossing) -> T + Sync,
+) -> Extraction<T> {
     let n = grid.bricks.len();
-    let cuts: Vec<Cuts> =
-        (0..n).into_par_iter().map(|number| Cuts::of(&Halo::new(grid, number))).collect();
-    let mut first = 0;
+    let halos: Vec<Halo<'_>> =
+        (0..n).into_par_iter().map(|number| Halo::new(grid, number)).collect();
+    let cuts: Vec<Cuts> = halos.par_iter().map(Cuts::of).collect();
+    let mut n_vertices = 0;
     let firsts: Vec<u32> = cuts
         .iter()
         .map(|cuts| {
-            let own = first;
-            first += cuts.count();
-            own
+            n_vertices += cuts.count();
+            n_vertices - cuts.count()
         })
         .collect();
     let edges = Edges { grid, cuts, firsts };
-    let crossings: Vec<Vec<Crossing>> = (0..n)
-        .into_par_iter()
-        .map(|number| edges.crossings(&Halo::new(grid, number), number))
-        .collect();
-    let triangles: Vec<Vec<[u32; 3]>> =
-        (0..n).into_par_iter().map(|number| edges.triangles(&Halo::new(grid, number))).collect();
-    Extraction { crossings: crossings.concat(), triangles: triangles.concat() }
+    let mut vertices = vec![T::default(); n_vertices as usize];
+    let mut rest = vertices.as_mut_slice();
+    let mut runs = Vec::with_capacity(n.div_ceil(RUN));
+    for first in (0..n).step_by(RUN) {
+        let bricks = first..(first + RUN).min(n);
+        let count: u32 = edges.cuts[bricks.clone()].iter().map(Cuts::count).sum();
+        let (own, others) = rest.split_at_mut(count as usize);
+        runs.push((bricks, own));
+        rest = others;
+    }
+    let triangles_of = |(bricks, own): (Range<usize>, &mut [T])| {
+        let mut triangles = Vec::with_capacity(5 * own.len() / 2);
+        let mut own = own.iter_mut();
+        let mut numbers = Numbers::default();
+        for number in bricks {
+            let halo = &halos[number];
+            // In this order nothing of `own` is taken for an end.
+            for (crossing, place) in edges.crossings(halo, number).zip(own.by_ref()) {
+                *place = vertex(&crossing);
+            }
+            edges.triangles(halo, &mut numbers, &mut triangles);
+        }
+        triangles
+    };
+    let triangles: Vec<Vec<[u32; 3]>> = runs.into_par_iter().map(triangles_of).collect();
+    Extraction { vertices, triangles: triangles.concat() }
 }
 
 /// Which dual edges of a brick's own are cut.
@@ -99,22 +132,26 @@ impl Cuts {
     fn of(halo: &Halo<'_>) -> Self {
         let mut bits = Box::new([0_u64; WORDS]);
         for axis in 0..3 {
-            for z in 0..WIDTH - 1 {
-                for y in 0..WIDTH - 1 {
-                    let cut = halo.cut(axis, y, z);
-                    if halo.is_finest {
-                        // The lower voxel of each edge is its owner.
-                        if y > 0 && z > 0 {
-                            bits[8 * axis + z - 1] |= u64::from(cut >> 1 & 0xff) << (8 * (y - 1));
-                        }
-                        continue;
-                    }
-                    for x in (0..WIDTH - 1).filter(|x| cut >> x & 1 == 1) {
-                        let edge = halo.edge([x, y, z], axis);
-                        if halo.owns(edge.owner.base) {
-                            let slot = edge.slot();
-                            bits[slot / 64] |= 1 << (slot % 64);
-                        }
+            for z in 1..WIDTH - 1 {
+                for y in 1..WIDTH - 1 {
+                    // Of equal voxels the lower one is the owner.
+                    let cut = halo.cut(axis, y, z) & !halo.stretched(axis, y, z);
+                    bits[8 * axis + z - 1] |= u64::from(cut >> 1 & 0xff) << (8 * (y - 1));
+                }
+            }
+        }
+        if halo.has_coarse {
+            for (axis, z, y) in (0..3 * (WIDTH - 1) * (WIDTH - 1))
+                .map(|i| (i % 3, i / 3 / (WIDTH - 1), i / 3 % (WIDTH - 1)))
+            {
+                let mut cut = halo.cut(axis, y, z) & halo.stretched(axis, y, z);
+                while cut != 0 {
+                    let x = cut.trailing_zeros() as usize;
+                    cut &= cut - 1;
+                    let edge = halo.edge([x, y, z], axis);
+                    if halo.owns(edge.owner.base) {
+                        let slot = edge.slot();
+                        bits[slot / 64] |= 1 << (slot % 64);
                     }
                 }
             }
@@ -139,7 +176,76 @@ impl Cuts {
         debug_assert!(self.bits[word] >> bit & 1 == 1, "every cut edge was marked");
         u32::from(self.before[word]) + (self.bits[word] & ((1 << bit) - 1)).count_ones()
     }
+
+    /// Calls `tell` with each cut edge of a word and its number, in order; `of` has bits for those
+    /// that are wanted.
+    #[inline]
+    fn each(&self, word: usize, of: u64, mut tell: impl FnMut(usize, u32)) {
+        let mut rest = self.bits[word] & of;
+        while rest != 0 {
+            let bit = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            tell(bit, self.rank(64 * word + bit));
+        }
+    }
 }
+
+/// Cells of a brick along an edge, and the layer of voxels behind them.
+const CELLS: usize = SIDE as usize + 1;
+
+/// The vertices of edges between the finest voxels of a brick and the layers behind it, by axis and
+/// lower voxel, x fastest. Of edges that are not cut anything may stand there.
+struct Numbers(Box<[[u32; CELLS * CELLS * CELLS]; 3]>);
+
+impl Default for Numbers {
+    fn default() -> Self {
+        Self(Box::new([[0; CELLS * CELLS * CELLS]; 3]))
+    }
+}
+
+impl Numbers {
+    /// Looks up all that cells of a brick may ask for.
+    fn fill(&mut self, edges: &Edges<'_>, halo: &Halo<'_>) {
+        for k in 0..8 {
+            let step = [k & 1, k >> 1 & 1, k >> 2];
+            // From the brick itself on.
+            let number = halo.numbers[13 + step[0] + 3 * step[1] + 9 * step[2]];
+            let Some(cuts) = edges.cuts.get(number as usize) else { continue };
+            let first = edges.firsts[number as usize];
+            let of = if step[0] == 1 { 0x0101_0101_0101_0101 } else { u64::MAX };
+            let of = if step[1] == 1 { of & 0xff } else { of };
+            let slices = if step[2] == 1 { 1 } else { 8 };
+            let base = 8 * step[0] + CELLS * (8 * step[1] + CELLS * 8 * step[2]);
+            // Edges that leave the layers behind are no cell's.
+            for axis in (0..3).filter(|&axis| step[axis] == 0) {
+                let numbers = &mut self.0[axis];
+                for z in 0..slices {
+                    cuts.each(8 * axis + z, of, |bit, rank| {
+                        numbers[base + bit % 8 + CELLS * (bit / 8 + CELLS * z)] = first + rank;
+                    });
+                }
+            }
+        }
+    }
+
+    /// The vertex on an edge of the cell whose first voxel is at a place of the brick.
+    #[inline]
+    fn of(&self, cell: usize, edge: usize) -> u32 {
+        self.0[axis_of(edge)][cell + EDGE_STEPS[edge]]
+    }
+}
+
+/// From a cell to the lower ends of its edges.
+const EDGE_STEPS: [usize; N_EDGES] = {
+    let mut steps = [0; N_EDGES];
+    let mut edge = 0;
+    while edge < N_EDGES {
+        let low = lower_octant(edge);
+        steps[edge] = (low & 1) + CELLS * (low >> 1 & 1) + CELLS * CELLS * (low >> 2);
+        edge += 1;
+    }
+    steps
+};
 
 /// A dual edge.
 #[derive(Clone, Copy, Debug)]
@@ -179,34 +285,43 @@ struct Edges<'a> {
 
 impl Edges<'_> {
     /// The vertices of a brick, in order.
-    fn crossings(&self, halo: &Halo<'_>, number: usize) -> Vec<Crossing> {
-        let cuts = &self.cuts[number];
-        let mut crossings = Vec::with_capacity(cuts.count() as usize);
-        for (word, &bits) in cuts.bits.iter().enumerate() {
-            let mut rest = bits;
-            while rest != 0 {
-                let slot = 64 * word + rest.trailing_zeros() as usize;
-                rest &= rest - 1;
-                crossings.push(self.crossing(halo, slot % VOXELS, slot / VOXELS));
+    fn crossings(&self, halo: &Halo<'_>, number: usize) -> impl Iterator<Item = Crossing> {
+        let mut word = 0;
+        let mut rest = self.cuts[number].bits[0];
+        let slot = move || {
+            while rest == 0 {
+                word += 1;
+                rest = *self.cuts[number].bits.get(word)?;
             }
-        }
-        crossings
+            let slot = 64 * word + rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            Some(slot)
+        };
+        iter::from_fn(slot).map(|slot| self.crossing(halo, slot % VOXELS, slot / VOXELS))
     }
 
     /// The vertex on the edge that leaves the voxel number `index` of a brick in a direction.
+    #[inline]
     fn crossing(&self, halo: &Halo<'_>, index: usize, direction: usize) -> Crossing {
         let at = [1 + index % 8, 1 + index / 8 % 8, 1 + index / 64];
-        let (owner, own_value) = halo.voxel(at);
         let (axis, is_up) = (direction % 3, direction < 3);
+        if let Some((lower, offsets)) = halo.plain_edge(at, direction) {
+            let mut upper = lower;
+            upper[axis] += 1.0;
+            let part = zone(offsets);
+            return Crossing { ends: [lower, upper], offsets, part, is_cap: false };
+        }
+        let owner = halo.leaf(at);
         let mut beside = owner.base;
         beside[axis] = match is_up {
             true => beside[axis] + (1 << self.grid.thickness(&owner, axis)),
             false => beside[axis] - 1,
         };
-        let (other, other_value) = halo.voxel_at(beside);
-        let ((lower, lower_value), (upper, upper_value)) = match is_up {
-            true => ((owner, own_value), (other, other_value)),
-            false => ((other, other_value), (owner, own_value)),
+        let own_offset = halo.offset(index);
+        let (other, other_offset) = halo.voxel_at(beside);
+        let ((lower, f), (upper, g)) = match is_up {
+            true => ((owner, own_offset), (other, other_offset)),
+            false => ((other, other_offset), (owner, own_offset)),
         };
         let grid = self.grid;
         let ends = [grid.middle(&lower), grid.middle(&upper)];
@@ -216,89 +331,79 @@ impl Edges<'_> {
             // The cap lies on the border.
             if grid.is_phantom(&upper) { 1.0 } else { 0.0 }
         } else {
-            let zone = (grid.isovalue - lower_value) / (upper_value - lower_value);
-            // Without a number at one end, the middle.
-            let zone = if zone.is_finite() { zone } else { 0.5 };
-            let zone = zone.clamp(LEAST_PART, 1.0 - LEAST_PART);
             // From the face that both share to the middles, and to the borders of the zone: half a
             // finest voxel on either side, or nothing where there is only a border.
             let [to_lower, to_upper] = [&lower, &upper].map(|leaf| grid.half_depth(leaf, axis));
             let [before, behind] = [to_lower, to_upper].map(|depth| depth.min(0.5));
-            (to_lower - before + zone * (before + behind)) / (to_lower + to_upper)
+            (to_lower - before + zone([f, g]) * (before + behind)) / (to_lower + to_upper)
         };
-        Crossing { ends, values: [lower_value, upper_value], part, is_cap }
+        Crossing { ends, offsets: [f, g], part, is_cap }
     }
 
-    /// The triangles of the cells at a brick's corners.
-    fn triangles(&self, halo: &Halo<'_>) -> Vec<[u32; 3]> {
-        let mut triangles = Vec::new();
-        for z in 0..WIDTH - 2 {
-            for y in 0..WIDTH - 2 {
-                let mut mixed = halo.mixed(y, z);
-                while mixed != 0 {
-                    let x = mixed.trailing_zeros() as usize;
-                    mixed &= mixed - 1;
-                    if halo.is_finest {
-                        self.cell(halo, [x, y, z], &mut triangles);
-                    } else {
-                        self.stretched_cell(halo, [x, y, z], &mut triangles);
+    /// The triangles of the cells whose first voxel is in a brick.
+    fn triangles(&self, halo: &Halo<'_>, numbers: &mut Numbers, triangles: &mut Vec<[u32; 3]>) {
+        numbers.fill(self, halo);
+        let cases = &*CASES;
+        for z in 1..WIDTH - 1 {
+            for y in 1..WIDTH - 1 {
+                let mixed = halo.mixed(y, z) & 0x1fe;
+                if mixed == 0 {
+                    continue;
+                }
+                let stretched = if halo.has_coarse { halo.stretched_cells(y, z) } else { 0 };
+                let rows = halo.rows(y, z).map(usize::from);
+                let first = CELLS * (y - 1 + CELLS * (z - 1));
+                let mut rest = mixed;
+                while rest != 0 {
+                    let x = rest.trailing_zeros() as usize;
+                    rest &= rest - 1;
+                    let [a, b, c, d] = rows.map(|row| row >> x & 3);
+                    let case = &cases[a | b << 2 | c << 4 | d << 6];
+                    if stretched >> x & 1 == 1 {
+                        self.stretched_cell(halo, [x, y, z], case, triangles);
+                        continue;
                     }
+                    let cell = first + x - 1;
+                    let corners = |edges: &[u8; 3]| edges.map(|edge| numbers.of(cell, edge.into()));
+                    triangles.extend(case.triangles.iter().map(corners));
                 }
             }
         }
-        triangles
-    }
-
-    /// A cell between eight of the finest voxels, the first at `at`.
-    fn cell(&self, halo: &Halo<'_>, at: [usize; 3], triangles: &mut Vec<[u32; 3]>) {
-        let mut inside = 0;
-        for octant in 0..8 {
-            inside |= usize::from(halo.is_inside(octant_at(at, octant))) << octant;
-        }
-        let case = &CASES[inside];
-        let mut vertices = [u32::MAX; N_EDGES];
-        for &edge in case.loops.iter().flatten() {
-            let (edge, lower) = (edge as usize, octant_at(at, lower_octant(edge as usize)));
-            let (number, index) = halo.place(lower);
-            let slot = VOXELS * axis_of(edge) + index;
-            vertices[edge] = self.firsts[number] + self.cuts[number].rank(slot);
-        }
-        let corners = |edges: &[u8; 3]| edges.map(|edge| vertices[edge as usize]);
-        triangles.extend(case.triangles.iter().map(corners));
     }
 
     /// A cell between voxels of which some are larger.
-    fn stretched_cell(&self, halo: &Halo<'_>, at: [usize; 3], triangles: &mut Vec<[u32; 3]>) {
-        let mut leaves = [Leaf { base: [0; 3], level: 0 }; 8];
-        let mut inside = 0;
-        for (octant, leaf) in leaves.iter_mut().enumerate() {
-            let place = octant_at(at, octant);
-            *leaf = halo.voxel(place).0;
-            inside |= usize::from(halo.is_inside(place)) << octant;
-        }
+    fn stretched_cell(
+        &self,
+        halo: &Halo<'_>,
+        at: [usize; 3],
+        case: &Case,
+        triangles: &mut Vec<[u32; 3]>,
+    ) {
+        let leaves: [Leaf; 8] = std::array::from_fn(|octant| halo.leaf(octant_at(at, octant)));
         if !halo.is_corner(at, &leaves) {
             return;
         }
-        let mut corners: Vec<(u32, u8)> = Vec::new();
-        for edges in &CASES[inside].loops {
-            corners.clear();
+        for edges in &case.loops {
+            // Of a loop, vertices and the faces that they lie on.
+            let (mut vertices, mut faces) = ([0; N_EDGES], [0; N_EDGES]);
+            let mut n = 0;
             for &edge in edges {
                 let (edge, low) = (edge as usize, lower_octant(edge as usize));
                 let axis = axis_of(edge);
                 let edge_of = DualEdge::between(leaves[low], leaves[low | 1 << axis], axis);
-                let corner = (self.number(halo, &edge_of), faces_of(edge));
+                let vertex = self.number(halo, &edge_of);
                 // Cells that are collapsed have the same edge several times.
-                match corners.last_mut() {
-                    Some(last) if last.0 == corner.0 => last.1 |= corner.1,
-                    _ => corners.push(corner),
+                if n == 0 || vertices[n - 1] != vertex {
+                    (vertices[n], faces[n]) = (vertex, 0);
+                    n += 1;
                 }
+                faces[n - 1] |= faces_of(edge);
             }
-            if corners.len() > 1 && corners[0].0 == corners[corners.len() - 1].0 {
-                corners[0].1 |= corners[corners.len() - 1].1;
-                corners.pop();
+            if n > 1 && vertices[0] == vertices[n - 1] {
+                n -= 1;
+                faces[0] |= faces[n];
             }
-            let faces: Vec<u8> = corners.iter().map(|corner| corner.1).collect();
-            triangles.extend(fan(&faces).map(|triangle| triangle.map(|i| corners[i].0)));
+            triangles.extend(fan(&faces[..n]).map(|triangle| triangle.map(|i| vertices[i])));
         }
     }
 
@@ -307,6 +412,15 @@ impl Edges<'_> {
         let brick = halo.number_of(edge.owner.base);
         self.firsts[brick] + self.cuts[brick].rank(edge.slot())
     }
+}
+
+/// Where between two values, as they are above the isovalue, the isovalue is.
+#[inline]
+pub(super) fn zone([f, g]: [f32; 2]) -> f64 {
+    let zone = f64::from(f) / (f64::from(f) - f64::from(g));
+    // Without a number at one end, the middle.
+    let zone = if zone.is_finite() { zone } else { 0.5 };
+    zone.clamp(LEAST_PART, 1.0 - LEAST_PART)
 }
 
 /// An octant of the cell whose first voxel is at `at`.

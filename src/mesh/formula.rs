@@ -12,7 +12,7 @@ use rustc_hash::FxHashSet;
 
 use super::{
     Border, Brick, Crossing, Extraction, Grid, LEAST_PART, Mesh, SIDE, VOXELS, cut::cut_to_region,
-    extract,
+    extract, offset,
 };
 use crate::{
     eval::{Sample, sampler},
@@ -52,7 +52,7 @@ pub fn of_formula(
     settings: &FormulaSettings,
 ) -> Mesh {
     let grid = grid(tape, storage, lattice, settings);
-    let Extraction { crossings, triangles } = extract(&grid);
+    let Extraction { vertices: crossings, triangles } = extract(&grid, |crossing| *crossing);
     let bounds = lattice.bounds();
     let to_scene = |p: [f64; 3]| bounds.min + lattice.voxel_size() * DVec3::from_array(p);
     let placed: Vec<(Vec<DVec3>, Vec<DVec3>)> = crossings
@@ -107,25 +107,25 @@ fn grid(tape: &Tape, storage: &dyn Storage, lattice: &Lattice, settings: &Formul
         let point = |i: usize| DVec3::new(x[i % side], y[i / side % side], z[i / side / side]);
         let points: Vec<DVec3> = (0..VOXELS).map(point).collect();
         let block = place.map(|i| (i.wrapping_sub(1)) >> (BLOCK_LEVELS - SIDE.ilog2()));
-        let mut values = sampler.values(tapes.get(&block).unwrap_or(tape), &points);
-        values.iter_mut().for_each(|value| *value = -*value);
+        let values = sampler.values(tapes.get(&block).unwrap_or(tape), &points);
+        let mut offsets: Vec<f32> = values.into_iter().map(|value| offset(0.0, value)).collect();
         if settings.border == Border::Capped {
-            for (i, value) in values.iter_mut().enumerate() {
+            for (i, offset) in offsets.iter_mut().enumerate() {
                 let within = [i % side, i / side % side, i / side / side];
                 let is_beyond = (0..3).any(|axis| {
                     !(SIDE..SIDE + size[axis]).contains(&(place[axis] * SIDE + within[axis] as u32))
                 });
                 if is_beyond {
-                    *value = f64::NEG_INFINITY;
+                    *offset = f32::MIN;
                 }
             }
         }
-        Brick::new(place, values, vec![0], 0.0)
+        Brick::new(place, &offsets, &[0])
     };
     // The grid sorts them.
     let places: Vec<[u32; 3]> = places.into_iter().collect();
     let bricks = places.into_par_iter().map_init(|| sampler(settings.simd), brick).collect();
-    Grid::new(bricks, size, 0.0, settings.border)
+    Grid::new(bricks, size, settings.border)
 }
 
 /// The bricks at the border that lie inside, and their neighbours: caps run through them.
@@ -232,11 +232,11 @@ fn polished(
     let mut searches: Vec<Search> = crossings
         .iter()
         .map(|crossing| Search {
-            ends: crossing.ends.map(to_scene),
+            ends: crossing.ends.map(|end| to_scene(end.map(f64::from))),
             parts: [0.0, 1.0],
-            values: crossing.values,
+            values: crossing.offsets.map(f64::from),
             part: crossing.part,
-            is_found: crossing.is_cap || !crossing.values.iter().all(|value| value.is_finite()),
+            is_found: crossing.is_cap || crossing.offsets.iter().any(|offset| offset.is_nan()),
         })
         .collect();
     for step in 0..MAX_STEPS {
@@ -286,9 +286,7 @@ fn polished(
 
 /// Outwards, of length 1; where the gradient has no direction, along the edge.
 fn normal(crossing: &Crossing, gradient: DVec3) -> DVec3 {
-    let [a, b] = crossing.ends.map(DVec3::from_array);
-    let is_up = crossing.values[0] >= crossing.values[1];
-    let along = if is_up { b - a } else { a - b }.normalize_or(DVec3::Z);
+    let along = crossing.outwards().normalize_or(DVec3::Z);
     let largest = gradient.abs().max_element();
     let has_direction = gradient.is_finite() && largest > f64::MIN_POSITIVE && !crossing.is_cap;
     if has_direction { (gradient / largest).normalize() } else { along }

@@ -9,7 +9,6 @@
 //! wrapping cells).
 
 use rayon::prelude::*;
-use rustc_hash::FxHashMap;
 
 use crate::math::morton_encode;
 
@@ -37,41 +36,44 @@ pub struct Leaf {
     pub level: u8,
 }
 
+/// How far a value is above the isovalue. Its sign says on which side it is, with the isovalue itself
+/// inside; what is no number is outside.
+#[must_use]
+#[inline]
+pub fn offset(value: f64, isovalue: f64) -> f32 {
+    // Gradual underflow keeps the sign of a difference, f32 that of a number too small for it; a zero
+    // difference is positive.
+    (value - isovalue).clamp(f32::MIN.into(), f32::MAX.into()) as f32
+}
+
 /// Values and sizes in one brick, x fastest.
 #[derive(Clone, Debug)]
 pub struct Brick {
     /// Counted in bricks.
     pub place: [u32; 3],
-    /// Values in the middles of voxels: one for each of the finest, or one for all.
-    pub values: Vec<f64>,
+    /// Values in the middles of voxels, as [`offset`]: one for each of the finest, or one for all.
+    offsets: Box<[f32]>,
     /// Levels of the voxels: one for each of the finest, or one for all.
-    pub levels: Vec<u8>,
+    levels: Box<[u8]>,
     /// Bit x + 8 y of slice z: its value is the isovalue or above.
-    pub inside: [u64; SIDE as usize],
+    pub(super) inside: [u64; SIDE as usize],
+    /// The same: it is larger than the finest.
+    pub(super) coarse: [u64; SIDE as usize],
 }
 
 impl Brick {
-    /// A brick with these values and levels; what is no number is outside.
+    /// A brick with these values, as [`offset`], and levels.
     #[must_use]
-    pub fn new(place: [u32; 3], values: Vec<f64>, levels: Vec<u8>, isovalue: f64) -> Self {
-        let mut inside = [0; SIDE as usize];
-        match values.as_slice() {
-            [value] => inside = [if *value >= isovalue { u64::MAX } else { 0 }; SIDE as usize],
-            many => {
-                for (slice, of_slice) in inside.iter_mut().zip(many.chunks(64)) {
-                    for (i, &value) in of_slice.iter().enumerate() {
-                        *slice |= u64::from(value >= isovalue) << i;
-                    }
-                }
-            }
-        }
-        Self { place, values, levels, inside }
+    pub fn new(place: [u32; 3], offsets: &[f32], levels: &[u8]) -> Self {
+        let inside = bits(offsets, |&offset| offset >= 0.0 && offset.is_sign_positive());
+        let coarse = bits(levels, |&level| level > 0);
+        Self { place, offsets: offsets.into(), levels: levels.into(), inside, coarse }
     }
 
-    /// The value at a voxel of the brick.
+    /// How far the value at a voxel of the brick is above the isovalue.
     #[inline]
-    pub(super) fn value(&self, index: usize) -> f64 {
-        self.values[if self.values.len() == 1 { 0 } else { index }]
+    pub(super) fn offset(&self, index: usize) -> f32 {
+        self.offsets[if self.offsets.len() == 1 { 0 } else { index }]
     }
 
     #[inline]
@@ -79,11 +81,32 @@ impl Brick {
         self.levels[if self.levels.len() == 1 { 0 } else { index }]
     }
 
-    /// Whether all voxels are of the finest.
-    #[inline]
-    pub(super) fn is_finest(&self) -> bool {
-        self.levels == [0]
+    /// Whether a voxel beside another brick is inside, or outside; this one is the one number
+    /// x, y, z of the 27 around that.
+    pub(crate) fn meets(&self, [x, y, z]: [usize; 3], inside: bool) -> bool {
+        // The last, all, or the first in a row.
+        const ROWS: [u64; 3] = [1 << 7, 0xff, 1];
+        const COLUMN: u64 = 0x0101_0101_0101_0101;
+        const COLUMNS: [u64; 3] = [0xff << 56, u64::MAX, 0xff];
+        let layer = (COLUMN * ROWS[x]) & COLUMNS[y];
+        let slices = [7..8, 0..8, 0..1][z].clone();
+        self.inside[slices].iter().any(|bits| (if inside { *bits } else { !bits }) & layer != 0)
     }
+}
+
+/// Bit x + 8 y of slice z: what is true of a voxel.
+#[inline]
+fn bits<T>(all: &[T], is: impl Fn(&T) -> bool) -> [u64; SIDE as usize] {
+    let mut bits = [0; SIDE as usize];
+    match all {
+        [one] => bits = [if is(one) { u64::MAX } else { 0 }; SIDE as usize],
+        many => {
+            for (slice, of_slice) in bits.iter_mut().zip(many.chunks_exact(64)) {
+                *slice = (0..64).fold(0, |bits, i| bits | u64::from(is(&of_slice[i])) << i);
+            }
+        }
+    }
+    bits
 }
 
 /// The number of a voxel in its brick.
@@ -93,15 +116,18 @@ pub(super) fn index_of([x, y, z]: [u32; 3]) -> usize {
     x + SIDE as usize * (y + SIDE as usize * z)
 }
 
+/// The number of no brick.
+pub(super) const NO_BRICK: u32 = u32::MAX;
+
 /// Bricks near a surface.
 #[derive(Debug)]
 pub struct Grid {
     /// In Morton order.
     pub(super) bricks: Vec<Brick>,
-    numbers: FxHashMap<[u32; 3], u32>,
+    /// Of each, the numbers of the 27 around, x + 3y + 9z, or [`NO_BRICK`].
+    pub(super) around: Vec<[u32; 27]>,
     /// The finest voxels along each axis.
     size: [u32; 3],
-    pub(super) isovalue: f64,
     pub(super) border: Border,
 }
 
@@ -109,17 +135,18 @@ impl Grid {
     /// A grid of `size` of the finest voxels, counted without phantoms. `bricks` hold every voxel that
     /// has a corner where the surface may cut a cell, and the first voxel of every larger one.
     #[must_use]
-    pub fn new(mut bricks: Vec<Brick>, size: [u32; 3], isovalue: f64, border: Border) -> Self {
+    pub fn new(mut bricks: Vec<Brick>, size: [u32; 3], border: Border) -> Self {
         bricks.par_sort_unstable_by_key(|brick| morton_encode(brick.place));
         bricks.dedup_by_key(|brick| brick.place);
-        let numbers = bricks.iter().zip(0..).map(|(brick, number)| (brick.place, number)).collect();
-        Self { bricks, numbers, size, isovalue, border }
+        let around = around(&bricks);
+        Self { bricks, around, size, border }
     }
 
     /// The number of the brick at a place, if there is one.
-    #[inline]
     pub(super) fn number_at(&self, place: [u32; 3]) -> Option<u32> {
-        self.numbers.get(&place).copied()
+        let key = morton_encode(place);
+        let found = self.bricks.binary_search_by_key(&key, |brick| morton_encode(brick.place));
+        found.ok().map(|number| number as u32)
     }
 
     /// Whether a coordinate is that of a voxel or a phantom.
@@ -128,13 +155,19 @@ impl Grid {
         (SIDE - 1..=SIDE + self.size[axis]).contains(&i)
     }
 
+    /// Whether a coordinate is that of a voxel.
+    #[inline]
+    pub(super) fn is_voxel(&self, axis: usize, i: u32) -> bool {
+        (SIDE..SIDE + self.size[axis]).contains(&i)
+    }
+
     /// The voxel, or phantom, that holds the finest voxel at `p` of a brick.
     #[inline]
     pub(super) fn leaf(&self, brick: &Brick, p: [u32; 3]) -> Leaf {
         let level = brick.level(index_of(p));
-        let base = [0, 1, 2].map(|axis| {
-            let is_phantom = p[axis] < SIDE || p[axis] >= SIDE + self.size[axis];
-            if is_phantom { p[axis] } else { ((p[axis] - SIDE) >> level << level) + SIDE }
+        let base = [0, 1, 2].map(|axis| match self.is_voxel(axis, p[axis]) {
+            true => ((p[axis] - SIDE) >> level << level) + SIDE,
+            false => p[axis],
         });
         Leaf { base, level }
     }
@@ -142,16 +175,17 @@ impl Grid {
     /// The middle of a voxel in the finest voxels from the grid's first corner; a phantom's lies on
     /// the border.
     #[inline]
-    pub(super) fn middle(&self, leaf: &Leaf) -> [f64; 3] {
-        let half = 0.5 * f64::from(1_u32 << leaf.level);
+    pub(super) fn middle(&self, leaf: &Leaf) -> [f32; 3] {
+        let half = 0.5 * (1_u32 << leaf.level) as f32;
         [0, 1, 2].map(|axis| {
             let (base, n) = (leaf.base[axis], self.size[axis]);
+            // Exact: there are no more than 2^20 voxels along an axis.
             if base < SIDE {
                 0.0
             } else if base >= SIDE + n {
-                f64::from(n)
+                n as f32
             } else {
-                f64::from(base - SIDE) + half
+                (base - SIDE) as f32 + half
             }
         })
     }
@@ -174,7 +208,7 @@ impl Grid {
 
     #[inline]
     fn is_beyond(&self, leaf: &Leaf, axis: usize) -> bool {
-        !(SIDE..SIDE + self.size[axis]).contains(&leaf.base[axis])
+        !self.is_voxel(axis, leaf.base[axis])
     }
 
     /// Whether a voxel is beyond the border.
@@ -183,3 +217,47 @@ impl Grid {
         (0..3).any(|axis| self.is_beyond(leaf, axis))
     }
 }
+
+/// The numbers of the bricks around each, x + 3y + 9z.
+fn around(bricks: &[Brick]) -> Vec<[u32; 27]> {
+    // Bricks one after the other along x, y and z: those beside them in a direction follow each other
+    // in the same order.
+    let row = |[y, z]: [i64; 2]| (y + (z << 21)) << 21;
+    let mut keys: Vec<(i64, u32)> = bricks
+        .iter()
+        .zip(0..)
+        .map(|(brick, number)| {
+            let [x, y, z] = brick.place.map(i64::from);
+            (x + row([y, z]), number)
+        })
+        .collect();
+    keys.par_sort_unstable();
+    let of_run = |run: &[(i64, u32)]| {
+        let mut around = vec![[NO_BRICK; 27]; run.len()];
+        for k in 0..9 {
+            let step = row([k % 3 - 1, k / 3 - 1]);
+            let mut at = keys.partition_point(|&(key, _)| key < run[0].0 + step - 1);
+            for (&(key, _), around) in run.iter().zip(&mut around) {
+                while keys.get(at).is_some_and(|next| next.0 < key + step - 1) {
+                    at += 1;
+                }
+                for &(next, number) in keys[at..].iter().take(3) {
+                    let i = next - (key + step - 1);
+                    if i < 3 {
+                        around[(i + 3 * k) as usize] = number;
+                    }
+                }
+            }
+        }
+        around
+    };
+    let in_rows: Vec<Vec<[u32; 27]>> = keys.par_chunks(RUN).map(of_run).collect();
+    let mut all = vec![[NO_BRICK; 27]; bricks.len()];
+    for (&(_, number), around) in keys.iter().zip(in_rows.iter().flatten()) {
+        all[number as usize] = *around;
+    }
+    all
+}
+
+/// Bricks that a thread takes at a time.
+pub(super) const RUN: usize = 64;

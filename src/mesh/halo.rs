@@ -4,7 +4,7 @@
 
 use super::{
     extract::DualEdge,
-    grid::{Brick, Grid, Leaf, SIDE, index_of},
+    grid::{Brick, Grid, Leaf, NO_BRICK, SIDE, index_of},
 };
 
 /// Voxels along an edge, with both layers.
@@ -13,56 +13,63 @@ pub(super) const WIDTH: usize = SIDE as usize + 2;
 /// The brick itself among the 27.
 const MIDDLE: usize = 13;
 
-/// See the file's text.
+/// See the file's text. Bit x of row y and slice z belongs to the voxel there.
 pub(super) struct Halo<'a> {
     grid: &'a Grid,
     /// The place of the first voxel; 2³² − 1 where that is before all bricks.
     origin: [u32; 3],
-    /// The numbers of the bricks around, x + 3y + 9z, where there are any.
-    numbers: [Option<u32>; 27],
-    /// Whether none of them has voxels that are larger than the finest.
-    pub(super) is_finest: bool,
-    /// Bit x of row y and slice z: inside.
-    inside: [[u16; WIDTH]; WIDTH],
-    /// The same: there is a voxel or a phantom.
-    known: [[u16; WIDTH]; WIDTH],
+    /// The numbers of the bricks around, x + 3y + 9z.
+    pub(super) numbers: &'a [u32; 27],
+    /// There is a voxel or a phantom.
+    known: Rows,
+    inside: Rows,
+    /// Larger than the finest.
+    coarse: Rows,
+    /// Whether any is.
+    pub(super) has_coarse: bool,
+    /// Whether phantoms may be among them.
+    is_bordering: bool,
 }
+
+type Rows = [[u16; WIDTH]; WIDTH];
 
 impl<'a> Halo<'a> {
     /// Around the brick with this number.
     pub(super) fn new(grid: &'a Grid, number: usize) -> Self {
         let place = grid.bricks[number].place;
-        let numbers: [Option<u32>; 27] = std::array::from_fn(|k| {
-            if k == MIDDLE {
-                return Some(number as u32);
-            }
-            let step = [k % 3, k / 3 % 3, k / 9];
-            let mut around = place;
-            for axis in 0..3 {
-                around[axis] = (place[axis] + step[axis] as u32).checked_sub(1)?;
-            }
-            grid.number_at(around)
-        });
-        let brick_at = |k: usize| numbers[k].map(|number| &grid.bricks[number as usize]);
-        let is_finest = (0..27).filter_map(brick_at).all(Brick::is_finest);
+        let numbers = &grid.around[number];
+        let bricks: [Option<&Brick>; 27] = numbers.map(|number| grid.bricks.get(number as usize));
         let origin = place.map(|i| (i * SIDE).wrapping_sub(1));
-        let (mut inside, mut known) = ([[0; WIDTH]; WIDTH], [[0; WIDTH]; WIDTH]);
-        let held = |axis: usize, i: usize| grid.holds(axis, origin[axis].wrapping_add(i as u32));
-        let columns: u16 =
-            (0..WIDTH).map(|x| u16::from(held(0, x)) << x).fold(0, |bits, bit| bits | bit);
-        for z in (0..WIDTH).filter(|&z| held(2, z)) {
-            for y in (0..WIDTH).filter(|&y| held(1, y)) {
-                let (k, row) = (3 * part(y) + 9 * part(z), 8 * within(y));
-                let bits = |step: usize| match brick_at(k + step) {
-                    Some(brick) => ((brick.inside[within(z)] >> row) as u16 & 0xff, 0xff),
-                    None => (0, 0),
-                };
-                let [(a, has_a), (b, has_b), (c, has_c)] = [0, 1, 2].map(bits);
-                inside[z][y] = a >> 7 | b << 1 | (c & 1) << 9;
-                known[z][y] = (has_a >> 7 | has_b << 1 | (has_c & 1) << 9) & columns;
+        let has_coarse = bricks.iter().flatten().any(|brick| brick.coarse != [0; 8]);
+        let known = rows(&bricks, |_, _| u64::MAX);
+        let inside = rows(&bricks, |brick, z| brick.inside[z]);
+        let coarse = match has_coarse {
+            true => rows(&bricks, |brick, z| brick.coarse[z]),
+            false => Rows::default(),
+        };
+        let is_bordering = (0..3).any(|axis| {
+            let last = origin[axis].wrapping_add(WIDTH as u32 - 1);
+            !grid.is_voxel(axis, origin[axis]) || !grid.is_voxel(axis, last)
+        });
+        let mut halo =
+            Self { grid, origin, numbers, known, inside, coarse, has_coarse, is_bordering };
+        if is_bordering {
+            halo.forget_beyond();
+        }
+        halo
+    }
+
+    /// Takes away what is beyond the phantoms.
+    fn forget_beyond(&mut self) {
+        let held =
+            |axis: usize, i: usize| self.grid.holds(axis, self.origin[axis].wrapping_add(i as u32));
+        let columns: u16 = (0..WIDTH).fold(0, |bits, x| bits | u16::from(held(0, x)) << x);
+        let rows = [1, 2].map(|axis| std::array::from_fn::<bool, WIDTH, _>(|i| held(axis, i)));
+        for (z, slice) in self.known.iter_mut().enumerate() {
+            for (y, row) in slice.iter_mut().enumerate() {
+                *row &= if rows[0][y] && rows[1][z] { columns } else { 0 };
             }
         }
-        Self { grid, origin, numbers, is_finest, inside, known }
     }
 
     /// Bit x: the edge from the voxel at (x, y, z) along `axis` is cut.
@@ -78,6 +85,32 @@ impl<'a> Halo<'a> {
         (row.0 ^ next.0) & row.1 & next.1
     }
 
+    /// Bit x: the voxel at (x, y, z) or the next one along `axis` is larger than the finest.
+    #[inline]
+    pub(super) fn stretched(&self, axis: usize, y: usize, z: usize) -> u16 {
+        let coarse = &self.coarse;
+        let next = match axis {
+            0 => coarse[z][y] >> 1,
+            1 => coarse[z][y + 1],
+            _ => coarse[z + 1][y],
+        };
+        coarse[z][y] | next
+    }
+
+    /// Bit x: of the eight voxels from (x, y, z) on some are larger than the finest.
+    #[inline]
+    pub(super) fn stretched_cells(&self, y: usize, z: usize) -> u16 {
+        let rows = self.stretched(1, y, z) | self.stretched(1, y, z + 1);
+        rows | rows >> 1
+    }
+
+    /// The rows of the inside of the four edges along x of a cell.
+    #[inline]
+    pub(super) fn rows(&self, y: usize, z: usize) -> [u16; 4] {
+        let inside = &self.inside;
+        [inside[z][y], inside[z][y + 1], inside[z + 1][y], inside[z + 1][y + 1]]
+    }
+
     /// Bit x: of the eight voxels from (x, y, z) on some are inside and some are not.
     #[inline]
     pub(super) fn mixed(&self, y: usize, z: usize) -> u16 {
@@ -88,41 +121,71 @@ impl<'a> Halo<'a> {
             all &= self.inside[z][y];
             known &= self.known[z][y];
         }
-        (any | any >> 1) & !(all & all >> 1) & known & known >> 1 & 0xff
+        (any | any >> 1) & !(all & all >> 1) & known & known >> 1
+    }
+
+    /// The voxel that holds a place.
+    #[inline]
+    pub(super) fn leaf(&self, [x, y, z]: [usize; 3]) -> Leaf {
+        let p = [x, y, z].map(|i| i as u32);
+        let p = [0, 1, 2].map(|axis| self.origin[axis].wrapping_add(p[axis]));
+        if !self.is_coarse([x, y, z]) {
+            return Leaf { base: p, level: 0 };
+        }
+        let number = self.numbers[part(x) + 3 * part(y) + 9 * part(z)] as usize;
+        self.grid.leaf(&self.grid.bricks[number], p)
+    }
+
+    /// The middle of the lower one of two of the finest voxels inside the border, and how far their
+    /// values are above the isovalue, if the edge from a voxel of the brick in a direction is such.
+    #[inline]
+    pub(super) fn plain_edge(
+        &self,
+        at: [usize; 3],
+        direction: usize,
+    ) -> Option<([f32; 3], [f32; 2])> {
+        let axis = direction;
+        if self.is_bordering || axis > 2 {
+            return None;
+        }
+        let mut next = at;
+        next[axis] += 1;
+        if self.has_coarse && (self.is_coarse(at) || self.is_coarse(next)) {
+            return None;
+        }
+        let middle = |axis: usize| (self.origin[axis] + at[axis] as u32 - SIDE) as f32 + 0.5;
+        let offset = |[x, y, z]: [usize; 3]| {
+            let number = self.numbers[part(x) + 3 * part(y) + 9 * part(z)];
+            let index = within(x) + 8 * (within(y) + 8 * within(z));
+            self.grid.bricks[number as usize].offset(index)
+        };
+        Some(([0, 1, 2].map(middle), [offset(at), offset(next)]))
     }
 
     #[inline]
-    pub(super) fn is_inside(&self, [x, y, z]: [usize; 3]) -> bool {
-        self.inside[z][y] >> x & 1 == 1
+    fn is_coarse(&self, [x, y, z]: [usize; 3]) -> bool {
+        self.coarse[z][y] >> x & 1 == 1
     }
 
-    /// The number of the brick that holds a place, and that of the voxel in it.
+    /// How far the value at a voxel of the brick is above the isovalue.
     #[inline]
-    pub(super) fn place(&self, [x, y, z]: [usize; 3]) -> (usize, usize) {
-        let k = part(x) + 3 * part(y) + 9 * part(z);
-        let index = within(x) + 8 * (within(y) + 8 * within(z));
-        (self.numbers[k].map_or(usize::MAX, |number| number as usize), index)
+    pub(super) fn offset(&self, index: usize) -> f32 {
+        self.grid.bricks[self.middle()].offset(index)
     }
 
-    /// The voxel that holds a place, and its value.
-    pub(super) fn voxel(&self, at: [usize; 3]) -> (Leaf, f64) {
-        let (number, index) = self.place(at);
-        let brick = &self.grid.bricks[number];
-        let p = [0, 1, 2].map(|axis| self.origin[axis].wrapping_add(at[axis] as u32));
-        (self.grid.leaf(brick, p), brick.value(index))
-    }
-
-    /// The voxel that holds the finest voxel at `p`, and its value; its brick must be there.
-    pub(super) fn voxel_at(&self, p: [u32; 3]) -> (Leaf, f64) {
+    /// The voxel that holds the finest voxel at `p`, and how far its value is above the isovalue; its
+    /// brick must be there.
+    #[inline]
+    pub(super) fn voxel_at(&self, p: [u32; 3]) -> (Leaf, f32) {
         let brick = &self.grid.bricks[self.number_of(p)];
-        (self.grid.leaf(brick, p), brick.value(index_of(p)))
+        (self.grid.leaf(brick, p), brick.offset(index_of(p)))
     }
 
     /// The dual edge between the voxels at a place and the next one along `axis`.
     pub(super) fn edge(&self, at: [usize; 3], axis: usize) -> DualEdge {
         let mut next = at;
         next[axis] += 1;
-        DualEdge::between(self.voxel(at).0, self.voxel(next).0, axis)
+        DualEdge::between(self.leaf(at), self.leaf(next), axis)
     }
 
     /// Whether a voxel of the brick has this first corner.
@@ -149,14 +212,36 @@ impl<'a> Halo<'a> {
         let number = if near.iter().all(|&i| i < 3) {
             self.numbers[(near[0] + 3 * near[1] + 9 * near[2]) as usize]
         } else {
-            self.grid.number_at(place)
+            self.grid.number_at(place).unwrap_or(NO_BRICK)
         };
-        number.map_or(usize::MAX, |number| number as usize)
+        number as usize
     }
 
     fn middle(&self) -> usize {
-        self.numbers[MIDDLE].map_or(usize::MAX, |number| number as usize)
+        self.numbers[MIDDLE] as usize
     }
+}
+
+/// The bits of 27 bricks, those of slice z as `of` gives them; nothing where there is no brick.
+#[inline]
+fn rows(bricks: &[Option<&Brick>; 27], of: impl Fn(&Brick, usize) -> u64) -> Rows {
+    let mut rows = Rows::default();
+    for (z, slice) in rows.iter_mut().enumerate() {
+        for k in 0..3 {
+            let [a, b, c] = [0, 1, 2]
+                .map(|x| bricks[x + 3 * k + 9 * part(z)].map_or(0, |brick| of(brick, within(z))));
+            let row = |y: usize| {
+                let [a, b, c] = [a, b, c].map(|bits| (bits >> (8 * y)) as u16 & 0xff);
+                a >> 7 | b << 1 | (c & 1) << 9
+            };
+            match k {
+                0 => slice[0] = row(7),
+                1 => (0..8).for_each(|y| slice[1 + y] = row(y)),
+                _ => slice[9] = row(0),
+            }
+        }
+    }
+    rows
 }
 
 /// Which of three bricks in a row holds a place.

@@ -1,17 +1,25 @@
 //! Triangle meshes of surfaces, from voxels by way of a dual grid that is never stored.
 //!
 //! `grid` holds values in bricks of voxels near the surface, `extract` finds the cells between them
-//! and cuts them into triangles (`cases`).
+//! and cuts them into triangles (`cases`). `repair` parts sheets that touch, `decimate` takes triangles
+//! away, and `check` and `crossings` tell what a mesh is like.
 //!
 //! *Based on:* A. León Salas, 2008 (IDDG-Octree), chapters 2 and 3.
 
+mod boxes;
 mod cases;
 mod check;
+mod crossings;
 mod cut;
+mod decimate;
+mod deviation;
 mod extract;
+mod fans;
 mod formula;
 mod grid;
 mod halo;
+mod normals;
+mod quadric;
 mod repair;
 #[cfg(test)]
 mod tests;
@@ -24,7 +32,7 @@ use siphasher::sip128::{Hasher128, SipHasher13};
 
 pub use extract::{Crossing, Extraction, LEAST_PART, extract};
 pub use formula::{FormulaSettings, VertexPlace, of_formula};
-pub use grid::{Border, Brick, Grid, Leaf, SIDE, VOXELS};
+pub use grid::{Border, Brick, Grid, Leaf, SIDE, VOXELS, offset};
 pub use uniform::{Threshold, Triangles, uniform};
 
 /// Triangles of one surface, as files hold them.

@@ -10,7 +10,7 @@ use rustc_hash::FxHashMap;
 use super::Mesh;
 
 /// A side of a triangle: 3 triangle + corner, from that corner to the next.
-type Side = u32;
+pub(super) type Side = u32;
 
 impl Mesh {
     /// Doubles vertices where sheets touch. Returns how many were added.
@@ -49,7 +49,7 @@ impl Mesh {
     }
 
     /// The side across every side, [`NONE`] at borders.
-    fn partners(&self) -> Vec<Side> {
+    pub(super) fn partners(&self) -> Vec<Side> {
         let mut sides: Vec<([u32; 2], Side)> = Vec::with_capacity(3 * self.triangles.len());
         for (triangle, corners) in (0..).zip(&self.triangles) {
             for i in 0..3 {
@@ -105,10 +105,10 @@ impl Mesh {
 }
 
 /// No side.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// The next side of the same triangle.
-fn next(side: Side) -> Side {
+pub(super) fn next(side: Side) -> Side {
     side / 3 * 3 + (side + 1) % 3
 }
 

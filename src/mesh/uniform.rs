@@ -11,8 +11,10 @@
 use rayon::prelude::*;
 
 use super::{
-    Border, LEAST_PART,
+    Border,
     cases::{CASES, N_EDGES},
+    extract::zone,
+    grid::offset,
 };
 
 /// Triangles with shared vertices.
@@ -228,11 +230,7 @@ impl<T: Threshold> Plain<'_, T> {
             // The cap lies on the border.
             if is_phantom(upper) { 1.0 } else { 0.0 }
         } else {
-            let [a, b] = [lower, upper].map(|p| self.value(p));
-            let part = (self.isovalue - a) / (b - a);
-            // Without a number at one end, the middle.
-            let part = if part.is_finite() { part } else { 0.5 };
-            part.clamp(LEAST_PART, 1.0 - LEAST_PART)
+            zone([lower, upper].map(|p| offset(self.value(p), self.isovalue)))
         };
         let [a, b] = [lower, upper].map(|p| [0, 1, 2].map(|k| self.coordinate(k, p[k])));
         [0, 1, 2].map(|k| (a[k] + part * (b[k] - a[k])) as f32)

@@ -133,4 +133,6 @@ pub struct MeshSettings {
     pub scale: f64,
     /// What a length in files is; what is usual for each format where `None`.
     pub unit: Option<Unit>,
+    /// The most triangles of each mesh; as many as there are where `None`.
+    pub most_triangles: Option<u32>,
 }

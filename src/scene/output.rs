@@ -94,6 +94,10 @@ impl Lower<'_> {
                 UnitSpec::Foot => Unit::Foot,
                 UnitSpec::Meter => Unit::Meter,
             }),
+            most_triangles: spec.triangles.as_ref().map(|n| {
+                // A tetrahedron is the least that is closed.
+                self.whole("triangles", Some(n), 4..=i64::from(u32::MAX), 4)
+            }),
         }
     }
 

@@ -546,6 +546,9 @@ pub(super) struct MeshSpec {
     pub(super) scale: Option<Spanned<Number>>,
     /// What a length in files is; by default a metre in glTF and a millimetre in 3MF.
     pub(super) unit: Option<UnitSpec>,
+    /// The most triangles of each mesh, at least 4; as many as there are by default.
+    #[schemars(range(min = 4))]
+    pub(super) triangles: Option<Spanned<Whole>>,
 }
 
 /// Where vertices are put.

@@ -1,0 +1,130 @@
+//! A divided node of 8³ samples: which of its parts are divided, and the values of its regions.
+
+use std::sync::LazyLock;
+
+use super::{
+    octree::{Region, Storage, octant},
+    sample::Value,
+};
+use crate::mesh::{SIDE, VOXELS};
+
+/// See the file's text.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Brick<V> {
+    /// Bit c: the part of 4³ samples number x + 2y + 4z is divided.
+    pub(super) fours: u8,
+    /// Bit 8c + d: part d of 2³ samples of it is divided; only where it is divided itself.
+    pub(super) twos: u64,
+    /// The values of the regions, in Morton order.
+    pub(super) values: Box<[V]>,
+    /// Of each region, the corners that it answers for; empty before they are assigned.
+    pub(super) corners: Box<[u8]>,
+    /// The least and the largest sample.
+    pub(super) range: [V; 2],
+}
+
+/// Where the samples of a brick, in Morton order, stand in it, x fastest.
+static PLACES: LazyLock<[u16; VOXELS]> = LazyLock::new(|| {
+    std::array::from_fn(|m| {
+        let bit = |from: usize, to: usize| (m >> from & 1) << to;
+        let [x, y, z] = [0, 1, 2].map(|axis| bit(axis, 0) | bit(axis + 3, 1) | bit(axis + 6, 2));
+        (x + 8 * y + 64 * z) as u16
+    })
+});
+
+impl<V: Value> Brick<V> {
+    /// The number of the region that holds a sample, and its level.
+    #[inline]
+    fn find(&self, p: [u32; 3]) -> (usize, u8) {
+        let (c, d) = (octant(p, 2), octant(p, 1));
+        let of_four = c
+            + 7 * (self.fours & ((1 << c) - 1)).count_ones() as usize
+            + 7 * (self.twos & ((1 << (8 * c)) - 1)).count_ones() as usize;
+        if self.fours >> c & 1 == 0 {
+            return (of_four, 2);
+        }
+        let within = (self.twos >> (8 * c)) as u8;
+        let of_two = of_four + d + 7 * (within & ((1 << d) - 1)).count_ones() as usize;
+        if within >> d & 1 == 0 { (of_two, 1) } else { (of_two + octant(p, 0), 0) }
+    }
+
+    /// The region that holds a sample.
+    #[inline]
+    pub(super) fn region_at(&self, p: [u32; 3]) -> Region<V> {
+        let (number, level) = self.find(p);
+        Region {
+            base: p.map(|i| i >> level << level),
+            level,
+            value: self.values[number],
+            corners: self.corners.get(number).copied().unwrap_or(0),
+        }
+    }
+
+    /// Whether all regions are single samples.
+    #[inline]
+    pub(super) fn is_finest(&self) -> bool {
+        self.twos == u64::MAX
+    }
+
+    /// Calls `tell` with the number of every region, the place of its first sample in the brick, x
+    /// fastest, and its level.
+    #[inline]
+    pub(super) fn regions(&self, mut tell: impl FnMut(usize, usize, u8)) {
+        let places = &*PLACES;
+        let mut number = 0;
+        let mut next = |m: usize, level: u8| {
+            tell(number, places[m].into(), level);
+            number += 1;
+        };
+        for c in 0..8 {
+            if self.fours >> c & 1 == 0 {
+                next(64 * c, 2);
+                continue;
+            }
+            for d in 8 * c..8 * c + 8 {
+                if self.twos >> d & 1 == 0 {
+                    next(8 * d, 1);
+                    continue;
+                }
+                (8 * d..8 * d + 8).for_each(|m| next(m, 0));
+            }
+        }
+    }
+
+    /// Writes `of(value)` for every sample, x fastest.
+    #[inline]
+    pub(super) fn spread<T: Copy>(&self, of: impl Fn(V) -> T, all: &mut [T; VOXELS]) {
+        if self.is_finest() {
+            for (&value, &place) in self.values.iter().zip(&*PLACES) {
+                all[usize::from(place) % VOXELS] = of(value);
+            }
+            return;
+        }
+        self.regions(|number, first, level| fill(all, first, level, of(self.values[number])));
+    }
+
+    /// Writes the level of the region of every sample, x fastest.
+    pub(super) fn levels(&self, levels: &mut [u8; VOXELS]) {
+        self.regions(|_, first, level| fill(levels, first, level, level));
+    }
+
+    pub(super) fn count(&self, storage: &mut Storage) {
+        storage.nodes += u64::from(1 + self.fours.count_ones() + self.twos.count_ones());
+        storage.regions += self.values.len() as u64;
+        storage.cells += self.corners.iter().map(|c| u64::from(c.count_ones())).sum::<u64>();
+        storage.resident_bytes +=
+            (size_of::<Self>() + size_of_val(&*self.values) + self.corners.len()) as u64;
+    }
+}
+
+/// Fills a cube of a brick.
+#[inline]
+fn fill<T: Copy>(all: &mut [T; VOXELS], first: usize, level: u8, value: T) {
+    let (side, n) = (SIDE as usize, 1 << level);
+    for z in 0..n {
+        for y in 0..n {
+            let row = first + side * (y + side * z);
+            all[row..row + n].fill(value);
+        }
+    }
+}
