@@ -64,7 +64,8 @@ impl Cell {
         Self::Text(text.into())
     }
 
-    fn words(&self) -> String {
+    /// As people read it.
+    pub(super) fn words(&self) -> String {
         match self {
             Self::Text(text) => text.clone(),
             Self::Count(n) => thousands(*n),

@@ -197,7 +197,7 @@ fn of_subject(
     report.csv(&format!("{slug}-histogram"), &bins(ways))?;
 
     let means: Vec<String> =
-        ways.iter().map(|way| format!("{:.4}", way.errors.summary().mean)).collect();
+        ways.iter().map(|way| Cell::Number(way.errors.summary().mean, 4).words()).collect();
     let n_differing: Vec<u64> = plain.iter().map(|frame| differing(&plain[0], frame)).collect();
     let n_pixels = covered(&plain[0]);
     let _ = write!(
