@@ -85,17 +85,20 @@ fn of_samples<T: Sample + Threshold>(
             return Err(Error::Interrupted);
         }
         let is_first = run == 0;
-        let (time, found) = timed(|| uniform(samples, size, isovalue, Border::Open));
+        let times_each = if is_first { 1 } else { SAMPLES.div_ceil(samples.len()) as u32 };
+        let (time, found) = timed(times_each, || uniform(samples, size, isovalue, Border::Open));
         n_triangles = found.triangles.len() as u64;
         if !is_first {
             of_grid.push(time);
         }
         drop(found);
         for (i, &tolerance) in tolerances.iter().enumerate() {
-            let (to_simplify, mut tree) = timed(|| octree(samples, size, tolerance));
-            let (to_answer, ()) = timed(|| tree.assign_corners());
-            let (to_extract, n_triangles) = timed(|| surface(&tree.grid(isovalue, Border::Open)));
-            let (to_extract_all, _) = timed(|| surface(&tree.whole_grid(isovalue, Border::Open)));
+            let (to_simplify, mut tree) = timed(times_each, || octree(samples, size, tolerance));
+            let (to_answer, ()) = timed(times_each, || tree.assign_corners());
+            let (to_extract, n_triangles) =
+                timed(times_each, || surface(&tree.grid(isovalue, Border::Open)));
+            let (to_extract_all, _) =
+                timed(times_each, || surface(&tree.whole_grid(isovalue, Border::Open)));
             if is_first {
                 let n_regions = tree.storage().regions;
                 times.push(Times {
@@ -131,11 +134,18 @@ fn surface(grid: &Grid) -> u64 {
     found.triangles.len() as u64
 }
 
-fn timed<R>(work: impl FnOnce() -> R) -> (Duration, R) {
+/// The mean time of doing some work so many times, and what came of the last.
+fn timed<R>(times: u32, mut work: impl FnMut() -> R) -> (Duration, R) {
     let start = Instant::now();
+    for _ in 1..times {
+        black_box(work());
+    }
     let result = black_box(work());
-    (start.elapsed(), result)
+    (start.elapsed() / times, result)
 }
+
+/// Work on fewer samples is done several times, so that a clock and other work matter less.
+const SAMPLES: usize = 1 << 20;
 
 /// In seconds.
 fn median(times: &mut [Duration]) -> f64 {
