@@ -32,6 +32,10 @@ bench:
 bench-peers *NAMES:
     RUSTFLAGS="-C target-cpu=native" cargo run --release --locked --manifest-path benches/peers/Cargo.toml -- {{NAMES}}
 
+# What octrees of samples take beside grids: the tables of BENCHMARKS, and ZEROSET_DATA adds scans
+storage:
+    cargo run --release --example storage
+
 # Scene 1 by Zeroset and by POV-Ray, which must be installed: the picture and the figures of README
 beside-povray:
     cargo run --release --example povray

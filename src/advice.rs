@@ -166,6 +166,20 @@ pub fn about(name: &str, expr: &Expr, found: &Occupied<'_>, simd: SimdLevel) -> 
     }
 }
 
+/// What to tell of the mesh of a surface that may be singular at `places`, the first of them at `first`.
+#[must_use]
+pub fn of_singular(name: &str, places: u64, first: Option<[f64; 3]>) -> Option<String> {
+    let [x, y, z] = first?;
+    let where_it_is = match places {
+        1 => "in one place,".to_owned(),
+        n => format!("in {n} places, the first"),
+    };
+    Some(format!(
+        "`{name}` may touch or cross itself, or end, {where_it_is} near ({x:.4}, {y:.4}, {z:.4}): what \
+         its mesh joins there and what it parts depends on the voxels"
+    ))
+}
+
 /// A box as it is written in a scene.
 fn toml(bounds: Aabb) -> String {
     let list = |v: DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);

@@ -185,6 +185,15 @@ fn render_with_all_threads(
     notes.extend(of_meshes.iter().flat_map(|numbers| meshing::notes(numbers, &scene.mesh)));
     let mesh = start.elapsed().as_secs_f64();
 
+    let has_meshes = !scene.outputs.meshes.is_empty();
+    let singular = match options.find_all || has_meshes {
+        true => singular(scene, &whole.storages, &lattice, simd),
+        false => Vec::new(),
+    };
+    let note =
+        |found: &statistics::Singular| advice::of_singular(&found.name, found.places, found.first);
+    notes.extend(singular.iter().filter(|_| has_meshes).filter_map(note));
+
     let start = Instant::now();
     let tapes: Vec<Tape> = scene.surfaces.iter().map(|surface| surface.expr.tape()).collect();
     let details: Vec<Detail<'_>> =
@@ -228,6 +237,7 @@ fn render_with_all_threads(
             bytes: statistics::Bytes::sum(whole.storages.iter().map(|storage| storage.bytes())),
             digests: whole.digests,
         },
+        singular,
         meshes: of_meshes,
         frame: options.find_all.then(|| statistics::Frame::from(&frame.digest())),
         precision: Precision::for_lattice(&lattice).name(),
@@ -262,6 +272,26 @@ impl Whole {
         }
         whole
     }
+}
+
+/// Where each surface whose voxels were found is not proven to be a single sheet.
+fn singular(
+    scene: &Scene,
+    storages: &[Box<dyn Storage>],
+    lattice: &Lattice,
+    simd: SimdLevel,
+) -> Vec<statistics::Singular> {
+    let of_surface = |(surface, storage): (&Surface, &dyn Storage)| {
+        let places = voxelize::singular_places(&surface.expr.tape(), storage, lattice, simd);
+        statistics::Singular {
+            name: surface.name.clone(),
+            places: places.len() as u64,
+            voxels: places.iter().map(|place| place.n_voxels).sum(),
+            first: places.first().map(|place| lattice.voxel_center(place.first).to_array()),
+        }
+    };
+    let storages = storages.iter().map(|storage| &**storage);
+    scene.surfaces.iter().zip(storages).map(of_surface).collect()
 }
 
 /// Voxels along the longest axis for placing the camera, at most.

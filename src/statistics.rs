@@ -28,6 +28,9 @@ pub struct Statistics {
     pub voxels: Voxels,
     /// The octrees of all surfaces.
     pub octree: Octree,
+    /// Where each surface may be singular, if all voxels were found.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub singular: Vec<Singular>,
     /// The meshes, if files of them are written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub meshes: Vec<Mesh>,
@@ -140,6 +143,20 @@ impl Bytes {
         sum.total = sum.shape + sum.normals + sum.certificates;
         sum
     }
+}
+
+/// Where one surface is not proven to be a single sheet.
+#[derive(Clone, Debug, Serialize)]
+pub struct Singular {
+    /// The surface's name.
+    pub name: String,
+    /// Groups of voxels that share corners: as many as there are singular points and curves, where those
+    /// are some voxels apart.
+    pub places: u64,
+    /// Voxels in them.
+    pub voxels: u64,
+    /// The middle of the first of them.
+    pub first: Option<[f64; 3]>,
 }
 
 /// The mesh of one surface.

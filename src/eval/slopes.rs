@@ -25,6 +25,9 @@ pub struct SlopeVerdict {
     pub crossed: u64,
 }
 
+/// The directions of a gradient.
+const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
 /// Evaluates gradients of tapes over boxes, with G vectors of type L; `G * L::LEN` is [`BATCH`].
 pub struct SlopeEvaluator<L: Lanes, const G: usize> {
     token: L::Token,
@@ -91,8 +94,20 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> SlopeEvaluator<L, G> {
 
     /// Evaluates the value and the gradient of `tape` over the first `n` boxes, for
     /// [`SlopeEvaluator::slopes`].
-    #[inline(never)]
     pub fn gradients(&mut self, tape: &Tape, boxes: &Boxes<L::Scalar>, n: usize) -> SlopeVerdict {
+        self.along(tape, boxes, n, &AXES)
+    }
+
+    /// The same with three directions instead of the axes. At kinks that tells more than a gradient: the
+    /// bounds of its components do not know which of them go together.
+    #[inline(never)]
+    pub fn along(
+        &mut self,
+        tape: &Tape,
+        boxes: &Boxes<L::Scalar>,
+        n: usize,
+        directions: &[[f64; 3]; 3],
+    ) -> SlopeVerdict {
         let Self { token, machine, slopes, .. } = self;
         token.vectorize(
             #[inline(always)]
@@ -101,10 +116,14 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> SlopeEvaluator<L, G> {
                 let bounds = load::<L, G>(*token, boxes);
                 let mut inputs = [[Dual::constant(*token, &Constant::exact(0.0)); G]; 3];
                 for axis in 0..3 {
+                    let part = |d: [f64; 3]| Interval::constant(*token, &Constant::exact(d[axis]));
+                    let gradient = directions.map(part);
                     for g in 0..G {
-                        inputs[axis][g] = Dual::variable(bounds[axis][g], axis);
+                        inputs[axis][g] = Dual { value: bounds[axis][g], gradient };
                     }
                 }
+                let is_flat =
+                    directions.map(|d| (0..3).all(|axis| d[axis] == 0.0 || !tape.depends_on(axis)));
                 let notes = machine.run_first(*token, tape, &inputs, n_vectors, false);
                 let result = machine.slot(tape.result());
                 let mut range = [bounds[0][0]; G];
@@ -124,7 +143,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> SlopeEvaluator<L, G> {
                     let first = g * L::LEN;
                     for axis in 0..3 {
                         let mut slope = result[g].gradient[axis];
-                        if !tape.depends_on(axis) {
+                        if is_flat[axis] {
                             slope = Interval::point(zero);
                         }
                         slope.lo.store(&mut slopes.lo[axis][first..]);

@@ -179,3 +179,24 @@ fn the_models_have_the_counts_that_another_program_found() {
     assert_eq!(count(&ramp, 128, 0.0, Criterion::Range), (139_757, 978_300));
     assert_eq!(count(&ramp, 128, 2.0, Criterion::Deviation), (135_799, 950_594));
 }
+
+/// Regions larger than bricks that share a face across the surface.
+#[test]
+fn large_regions_meet_in_a_closed_mesh() {
+    for n in [16_u32, 32, 64, 128] {
+        let samples: Vec<u8> =
+            (0..n.pow(3)).map(|i| if i / n / n < n / 2 { 200 } else { 0 }).collect();
+        let octree = build(&samples, [n; 3], 0.0);
+        let grid = octree.grid(100.0, Border::Capped);
+        let Extraction { vertices, triangles } = extract(&grid, |crossing| crossing.point());
+        let mut uses = std::collections::HashMap::new();
+        for &[a, b, c] in &triangles {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                *uses.entry((from.min(to), from.max(to))).or_insert(0_i32) +=
+                    if from < to { 1 } else { -1 };
+            }
+        }
+        assert!(!triangles.is_empty() && uses.values().all(|&n| n == 0), "{n}");
+        assert!(vertices.iter().any(|p| p[2] == f64::from(n / 2)), "{n}");
+    }
+}

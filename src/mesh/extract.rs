@@ -82,7 +82,7 @@ pub fn extract<T: Copy + Default + Send>(
     let n = grid.bricks.len();
     let halos: Vec<Halo<'_>> =
         (0..n).into_par_iter().map(|number| Halo::new(grid, number)).collect();
-    let cuts: Vec<Cuts> = halos.par_iter().map(Cuts::of).collect();
+    let cuts = Cuts::of_all(grid, &halos);
     let mut n_vertices = 0;
     let firsts: Vec<u32> = cuts
         .iter()
@@ -129,8 +129,24 @@ struct Cuts {
 }
 
 impl Cuts {
-    fn of(halo: &Halo<'_>) -> Self {
-        let mut bits = Box::new([0_u64; WORDS]);
+    /// Those of all bricks.
+    fn of_all(grid: &Grid, halos: &[Halo<'_>]) -> Vec<Self> {
+        let (mut cuts, far): (Vec<Self>, Vec<Vec<DualEdge>>) =
+            halos.par_iter().map(Self::of).unzip();
+        for edge in far.iter().flatten() {
+            if let Some(number) = grid.number_at(edge.owner.base.map(|i| i / SIDE)) {
+                cuts[number as usize].mark(edge);
+            }
+        }
+        cuts.par_iter_mut().for_each(Self::number);
+        cuts
+    }
+
+    /// Those of a brick, and edges whose owners are larger than bricks and begin in another.
+    fn of(halo: &Halo<'_>) -> (Self, Vec<DualEdge>) {
+        let mut cuts = Self { bits: Box::new([0; WORDS]), before: Box::new([0; WORDS]) };
+        let mut far = Vec::new();
+        let bits = &mut cuts.bits;
         for axis in 0..3 {
             for z in 1..WIDTH - 1 {
                 for y in 1..WIDTH - 1 {
@@ -150,19 +166,28 @@ impl Cuts {
                     cut &= cut - 1;
                     let edge = halo.edge([x, y, z], axis);
                     if halo.owns(edge.owner.base) {
-                        let slot = edge.slot();
-                        bits[slot / 64] |= 1 << (slot % 64);
+                        cuts.mark(&edge);
+                    } else if 1 << edge.owner.level > SIDE && far.last() != Some(&edge) {
+                        far.push(edge);
                     }
                 }
             }
         }
+        (cuts, far)
+    }
+
+    fn mark(&mut self, edge: &DualEdge) {
+        let slot = edge.slot();
+        self.bits[slot / 64] |= 1 << (slot % 64);
+    }
+
+    /// Counts bits once all edges are marked.
+    fn number(&mut self) {
         let mut n = 0;
-        let before = Box::new(std::array::from_fn(|word| {
-            let own = n;
-            n += bits[word].count_ones() as u16;
-            own
-        }));
-        Self { bits, before }
+        for (before, bits) in self.before.iter_mut().zip(&*self.bits) {
+            *before = n;
+            n += bits.count_ones() as u16;
+        }
     }
 
     fn count(&self) -> u32 {
@@ -248,7 +273,7 @@ const EDGE_STEPS: [usize; N_EDGES] = {
 };
 
 /// A dual edge.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct DualEdge {
     /// The smaller voxel, or of equal ones the lower.
     pub(super) owner: Leaf,

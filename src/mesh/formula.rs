@@ -87,7 +87,8 @@ const CHUNK: usize = 1 << 12;
 fn grid(tape: &Tape, storage: &dyn Storage, lattice: &Lattice, settings: &FormulaSettings) -> Grid {
     let mut places = bricks_near(storage);
     if settings.border == Border::Capped {
-        places.extend(bricks_of_caps(storage, lattice.n_voxels()));
+        let of_caps = bricks_of_caps(storage, lattice.n_voxels(), &places);
+        places.extend(of_caps);
     }
     let tapes = tapes_of_blocks(tape, lattice, settings.simd);
     let size = lattice.n_voxels();
@@ -128,8 +129,13 @@ fn grid(tape: &Tape, storage: &dyn Storage, lattice: &Lattice, settings: &Formul
     Grid::new(bricks, size, settings.border)
 }
 
-/// The bricks at the border that lie inside, and their neighbours: caps run through them.
-fn bricks_of_caps(storage: &dyn Storage, size: [u32; 3]) -> FxHashSet<[u32; 3]> {
+/// The bricks at the border that may hold voxels inside, and their neighbours: caps run through them.
+/// Those in `near` may, whatever their first voxel is.
+fn bricks_of_caps(
+    storage: &dyn Storage,
+    size: [u32; 3],
+    near: &FxHashSet<[u32; 3]>,
+) -> FxHashSet<[u32; 3]> {
     let mut bricks = FxHashSet::default();
     let n = size.map(|n| n.div_ceil(SIDE));
     for axis in 0..3 {
@@ -140,7 +146,9 @@ fn bricks_of_caps(storage: &dyn Storage, size: [u32; 3]) -> FxHashSet<[u32; 3]> 
                     let mut place = [0; 3];
                     (place[axis], place[u], place[v]) = (side, i, j);
                     // Bricks without stored voxels are all inside or all outside.
-                    if storage.occupancy(place.map(|i| i * SIDE)) == Occupancy::Inside {
+                    if near.contains(&place.map(|i| i + 1))
+                        || storage.occupancy(place.map(|i| i * SIDE)) == Occupancy::Inside
+                    {
                         let around = |k: u32| [k % 3, k / 3 % 3, k / 9];
                         let places = (0..27).map(around);
                         bricks.extend(places.map(|k| [0, 1, 2].map(|axis| place[axis] + k[axis])));

@@ -27,6 +27,7 @@ mod schedule;
 mod search;
 mod shortened;
 mod signs;
+mod singular;
 
 use std::sync::Arc;
 
@@ -41,6 +42,7 @@ pub use outline::Outline;
 pub use sampling::{FieldRange, sample_field};
 pub use schedule::Schedule;
 pub use search::Effort;
+pub use singular::{SingularPlace, singular_places};
 
 use crate::{
     Result,

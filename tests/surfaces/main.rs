@@ -4,6 +4,8 @@
 #![expect(clippy::unwrap_used, reason = "a surface that cannot be parsed is a failure")]
 
 mod lost;
+mod meshed;
+mod singular;
 mod thin;
 
 use std::{collections::BTreeSet, path::Path};
@@ -17,6 +19,7 @@ use zeroset::{
     voxelize::{Settings, voxelize},
 };
 
+#[derive(Clone, Copy)]
 /// A surface, its named parts, half the edge of its domain, and the symmetries that it must have.
 struct Surface {
     name: &'static str,
