@@ -79,6 +79,7 @@ pub mod cli;
 pub mod diagnostic;
 mod error;
 pub mod eval;
+pub mod evaluate;
 pub mod expr;
 pub mod files;
 pub mod film;

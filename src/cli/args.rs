@@ -5,8 +5,8 @@ use std::{num::NonZeroUsize, ops::RangeInclusive, path::PathBuf, thread};
 use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
 use clap_complete::Shell;
 
-use super::yields::Measurement;
-use crate::{math::SimdLevel, pipeline::Options, scene::MAX_RESOLUTION};
+use super::{evaluate::Evaluation, yields::Measurement};
+use crate::{evaluate, hrb::Criterion, math::SimdLevel, pipeline::Options, scene::MAX_RESOLUTION};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -117,12 +117,54 @@ struct YieldArgs {
     out: PathBuf,
 }
 
+#[derive(Debug, Args)]
+struct EvaluateArgs {
+    /// Models of the thesis (esfera, tronco, silla, jarron, also with :alpha1 or :alpha2), scenes with
+    /// volumes, files of samples, or formulas of densities [default: the four models]
+    #[arg(value_name = "SUBJECT")]
+    subjects: Vec<String>,
+
+    /// Directory for the report, its tables and pictures; created if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out/evaluation")]
+    out: PathBuf,
+
+    /// Samples of models and formulas along each axis
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', default_value = "32,64,128")]
+    #[arg(value_parser = value_parser!(u32).range(8..=1024))]
+    sizes: Vec<u32>,
+
+    /// All sizes of the thesis, up to 512; takes minutes and some gigabytes
+    #[arg(long, conflicts_with = "sizes")]
+    full: bool,
+
+    /// Where surfaces are [default: 60, or what a scene says]
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = finite)]
+    isovalue: Option<f64>,
+
+    /// What tolerances are held against: samples among themselves, or each and their mean
+    #[arg(long, value_name = "range|deviation", default_value = "deviation")]
+    #[arg(value_parser = criterion)]
+    criterion: Criterion,
+
+    /// How often each time is taken; medians are shown
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(value_parser = value_parser!(u32).range(1..=1000))]
+    runs: u32,
+
+    /// Show no progress and summary; only mistakes and failures
+    #[arg(long, short, display_order = 100)]
+    quiet: bool,
+}
+
 #[derive(Debug, Subcommand)]
 enum Subcommands {
     /// Find every mistake in scene files without rendering them
     Check(Input),
     /// Measure how well threads share the work: a table, and a plot NAME-yield.svg
     Yield(YieldArgs),
+    /// Remake the evaluation of León Salas (2008): a report on space, time and errors of octrees of
+    /// samples
+    Evaluate(EvaluateArgs),
     /// Print the JSON Schema of scene files, with which editors complete them
     Schema,
     /// Print a script that makes a shell complete this command
@@ -132,6 +174,19 @@ enum Subcommands {
     },
     /// Print the manual page
     Man,
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| "write a number such as 60 or 0.5".to_owned())
+}
+
+fn criterion(name: &str) -> Result<Criterion, String> {
+    match name {
+        "range" => Ok(Criterion::Range),
+        "deviation" => Ok(Criterion::Deviation),
+        _ => Err("it is range or deviation".to_owned()),
+    }
 }
 
 fn simd_level(name: &str) -> Result<SimdLevel, String> {
@@ -185,6 +240,8 @@ pub(super) enum Plan {
     Check(Scenes),
     /// Measure how well threads share the work.
     Yield(Scenes, Measurement),
+    /// Evaluate octrees of samples.
+    Evaluate(Evaluation),
     /// Print the schema of scene files.
     Schema,
     /// Print what was made of the definition of the arguments.
@@ -212,6 +269,7 @@ fn plan(line: CommandLine) -> Result<Plan, clap::Error> {
         None => render(line.render),
         Some(Subcommands::Check(input)) => Plan::Check(scenes(input)),
         Some(Subcommands::Yield(args)) => measure(args),
+        Some(Subcommands::Evaluate(args)) => Plan::Evaluate(evaluation(args)),
         Some(Subcommands::Schema) => Plan::Schema,
         Some(Subcommands::Completions { shell }) => Plan::Print(completions(shell)),
         Some(Subcommands::Man) => Plan::Print(manual()?),
@@ -247,6 +305,17 @@ fn measure(args: YieldArgs) -> Plan {
     };
     let YieldArgs { input, runs, resolution, out, .. } = args;
     Plan::Yield(scenes(input), Measurement { threads, runs, resolution, out_dir: out })
+}
+
+fn evaluation(args: EvaluateArgs) -> Evaluation {
+    let EvaluateArgs { subjects, out, mut sizes, full, isovalue, criterion, runs, quiet } = args;
+    if full {
+        sizes = vec![32, 64, 128, 256, 512];
+    }
+    sizes.sort_unstable();
+    sizes.dedup();
+    let settings = evaluate::Settings { sizes, criterion, runs, out_dir: out };
+    Evaluation { subjects, isovalue, settings, quiet }
 }
 
 fn scenes(input: Input) -> Scenes {

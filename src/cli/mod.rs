@@ -1,6 +1,7 @@
 //! The command line: the only place that knows arguments, the terminal and exit codes.
 
 mod args;
+mod evaluate;
 mod progress;
 mod render;
 mod report;
@@ -26,6 +27,7 @@ pub fn run() -> ExitCode {
         Plan::Render { scenes, options, stats } => render::render(scenes, options, stats),
         Plan::Check(scenes) => check(&scenes),
         Plan::Yield(scenes, measurement) => yields::measure(&scenes, &measurement),
+        Plan::Evaluate(evaluation) => evaluate::evaluate(&evaluation),
         Plan::Schema => print(scene::schema().as_bytes()),
         Plan::Print(text) => print(&text),
     })

@@ -66,6 +66,7 @@ fn measure_one(scene: &Scene, measurement: &Measurement, watch: &Watch) -> Resul
             line("t1 / (n tn)", |row| row.plain),
             line("of n runs side by side", |row| row.share),
         ],
+        ..plot::Plot::default()
     };
     let file = out_dir.join(format!("{}-yield.svg", scene.name));
     output::write_file(&file, |out| plot::write(&plot, out))

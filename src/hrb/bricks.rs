@@ -193,7 +193,7 @@ impl<V: Value> HrbOctree<V> {
     }
 
     /// The values and levels of a brick.
-    fn brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> Brick {
+    pub(super) fn brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> Brick {
         let Some(first) = self.whole_brick(place) else {
             return self.border_brick(place, isovalue, border);
         };

@@ -16,7 +16,8 @@ use crate::mesh::{SIDE, VOXELS};
 /// When samples are alike.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tolerance {
-    /// How much they may differ; 0 keeps every sample exactly.
+    /// How much they may differ; 0 keeps every sample exactly, and below 0 not even equal ones are
+    /// alike.
     pub epsilon: f64,
     /// What is compared.
     pub criterion: Criterion,
@@ -120,7 +121,7 @@ impl<T: Sample> Builder<'_, T> {
             &self.samples[start..start + left[0]]
         };
         let first = row(0, 0)[0];
-        if left == [SIDE as usize; 3] {
+        if left == [SIDE as usize; 3] && self.tolerance.epsilon >= 0.0 {
             let is_first =
                 |row: &[T]| row.iter().fold(true, |all, &sample| all & (sample == first));
             if (0..64).all(|i| is_first(row(i % 8, i / 8))) {
@@ -221,7 +222,7 @@ impl<T: Sample> Builder<'_, T> {
         // What is no number is like nothing.
         let (low, high) = (summary.least.to_f64(), summary.most.to_f64());
         let is_alike = match criterion {
-            _ if summary.least == summary.most => true,
+            _ if summary.least == summary.most => epsilon >= 0.0,
             Criterion::Range => high - low <= epsilon,
             Criterion::Deviation => {
                 let mean = T::mean(summary.sum, summary.n).to_f64();

@@ -12,6 +12,7 @@ mod octree;
 mod sample;
 #[cfg(test)]
 mod tests;
+mod whole;
 
 pub use build::{Criterion, Tolerance};
 pub use edit::Samples;

@@ -502,7 +502,7 @@ impl Edges<'_> {
 
 /// Where between two values, as they are above the isovalue, the isovalue is.
 #[inline]
-fn zone([f, g]: [f32; 2]) -> f64 {
+pub(super) fn zone([f, g]: [f32; 2]) -> f64 {
     let zone = f64::from(f) / (f64::from(f) - f64::from(g));
     // Without a number at one end, the middle.
     let zone = if zone.is_finite() { zone } else { 0.5 };

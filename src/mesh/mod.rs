@@ -24,6 +24,7 @@ mod quadric;
 mod repair;
 #[cfg(test)]
 mod tests;
+mod uniform;
 
 pub use check::{Health, Shape};
 use std::hash::Hasher;
@@ -34,6 +35,7 @@ pub use extract::{BrickMesh, Crossing, EdgeKey, Extraction, LEAST_PART, extract,
 pub use formula::{FormulaSettings, VertexPlace, of_formula};
 pub use grid::{Border, Brick, Grid, Leaf, SIDE, VOXELS, offset};
 pub use live::LiveMesh;
+pub use uniform::{Threshold, Triangles, uniform};
 
 /// Triangles of one surface, as files hold them.
 #[derive(Clone, Debug, Default, PartialEq)]

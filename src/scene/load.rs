@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Scene, include::Includes, lower::Lower, read::read, text};
+use super::{Scan, Scene, include::Includes, lower::Lower, read::read, text};
 use crate::{
     Error, Result,
     diagnostic::{Diagnostic, Rejection, Sources},
@@ -35,6 +35,24 @@ pub fn load_with(path: &Path, settings: &[String], allow_outside: bool) -> Resul
         }
     };
     scene.map_err(|rejection| Error::Scene(Box::new(rejection)))
+}
+
+/// The sampled volumes of the scene in the file `path`, and nothing else of it.
+///
+/// # Errors
+/// As [`load`], with the mistakes of its `[[volume]]` sections alone.
+pub fn load_volumes(path: &Path) -> Result<Vec<Scan>> {
+    let (text, mistake) = text::decode(read_bytes(path)?);
+    let sources = Sources { path: path.to_owned(), text, ..Sources::default() };
+    let mut errors: Vec<Diagnostic> = mistake.into_iter().collect();
+    let spec = if errors.is_empty() { read(&sources.text, &mut errors) } else { None };
+    let mut lower = Lower::new(&sources.text, &[], path.parent(), errors);
+    let sections = spec.iter().flat_map(|spec| &spec.volumes);
+    let scans: Vec<Scan> = sections.filter_map(|section| lower.scan(section)).collect();
+    match std::mem::take(&mut lower.errors) {
+        errors if errors.is_empty() => Ok(scans),
+        errors => Err(Error::Scene(Box::new(reject(sources, errors)))),
+    }
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>> {

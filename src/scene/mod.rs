@@ -35,10 +35,11 @@ mod tests;
 use std::{path::PathBuf, sync::Arc};
 
 pub use animation::Animation;
-pub use load::{load, load_with, parse, parse_with};
+pub use load::{load, load_volumes, load_with, parse, parse_with};
 pub use lower::MAX_RESOLUTION;
 pub use schema::schema;
 pub use sculpture::Carving;
+pub use volume::Scan;
 
 use crate::{
     diagnostic::{Diagnostic, Sources},
