@@ -331,7 +331,7 @@ mod tests {
         assert_eq!(slugs("255*(1 - r)"), ["255-1-r"]);
         for (argument, words) in [
             ("esfera:alpha3", "alpha1 or alpha2"),
-            ("sphere", "no model (esfera, tronco, silla, jarron) and no formula: unknown"),
+            ("sfera", "no model (esfera, tronco, silla, jarron) and no formula: unknown"),
         ] {
             let error = Subject::named(argument, None).unwrap_err().to_string();
             assert!(error.contains(words), "{error}");

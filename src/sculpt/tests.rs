@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::{
-    hrb::{Fixed8, HrbOctree, Samples, Tolerance, Value},
+    hrb::{Fixed8, HrbOctree, Sample, Samples, Tolerance, Value},
     mesh::{Border, extract},
 };
 
@@ -23,7 +23,6 @@ fn ball(n: u32) -> Vec<u8> {
 fn check(sculpture: &Sculpture<Fixed8>, border: Border) -> Result<(), TestCaseError> {
     let octree = sculpture.octree();
     let all = octree.samples();
-    use crate::hrb::Sample;
     let samples: Vec<u8> = octree.values(&all).iter().map(|v| v.to_f64() as u8).collect();
     let mut anew = HrbOctree::build(&samples, octree.size(), Tolerance::default());
     anew.assign_corners();
@@ -112,4 +111,125 @@ fn large_regions_are_cut_and_joined() {
             anew
         });
     }
+}
+
+/// A thousand strokes, each compared: minutes.
+#[test]
+#[ignore = "takes minutes: cargo test --release --lib -- --ignored a_thousand_strokes"]
+fn a_thousand_strokes_are_local_and_exact() {
+    let mut state = 1_u64;
+    let mut random = || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let strokes: Vec<_> = (0..1000)
+        .map(|_| {
+            let kind = (random() * 1e9) as u64;
+            let from = [random(), random(), random()];
+            let way = [random(), random(), random()].map(|c| 2.0 * c - 1.0);
+            (kind, from, way, 1.0 + 11.0 * random(), 0.1 + random())
+        })
+        .collect();
+    random_strokes(128, &strokes, Border::Capped).unwrap();
+}
+
+/// A ball of 30 samples' radius, as depths.
+fn round(n: u32) -> Sculpture<f32> {
+    let middle = f64::from(n) / 2.0;
+    let all = Samples { first: [0; 3], end: [n; 3] };
+    let value = |p: [u32; 3]| {
+        let q = DVec3::from_array(p.map(f64::from)) + 0.5 - middle;
+        // Longer along x, so that a twist shows.
+        (30.0 - (q * DVec3::new(0.7, 1.2, 1.0)).length()).clamp(-DEPTH, DEPTH) as f32
+    };
+    let samples: Vec<f32> = all.iter().map(value).collect();
+    Sculpture::new(HrbOctree::build(&samples, [n; 3], Tolerance::default()), 0.0, Border::Capped)
+}
+
+fn volume(sculpture: &Sculpture<f32>) -> f64 {
+    let extraction = sculpture.extraction();
+    let corner = |v: u32| DVec3::from_array(extraction.vertices[v as usize].point());
+    let of = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(corner);
+        a.dot(b.cross(c)) / 6.0
+    };
+    extraction.triangles.iter().map(of).sum()
+}
+
+/// Tools that only move what is there.
+#[test]
+fn twists_and_drags_keep_the_volume() {
+    let n = 112;
+    let before = round(n);
+    let (whole, middle) = (volume(&before), DVec3::splat(f64::from(n) / 2.0));
+    let twist = Deed::Twist { axis: DVec3::Z, angle: 1.2 };
+    let tool = |deed, radius| Tool {
+        shape: Shape::Ball,
+        deed,
+        radius,
+        strength: 1.0,
+        falloff: Falloff::Smooth,
+        range: [-DEPTH, DEPTH],
+    };
+    let ways = [
+        (tool(twist, 50.0), Piece { from: middle, to: middle }),
+        (
+            tool(Deed::Drag, 24.0),
+            Piece { from: middle + 25.0 * DVec3::Z, to: middle + 33.0 * DVec3::Z },
+        ),
+    ];
+    for (tool, piece) in ways {
+        let mut sculpture = before.clone();
+        sculpture.apply(&tool, &piece);
+        assert!(sculpture.extraction() != before.extraction(), "{:?}", tool.deed);
+        let part = volume(&sculpture) / whole;
+        assert!((part - 1.0).abs() < 1e-3, "{:?}: {part}", tool.deed);
+    }
+}
+
+/// A tool pushed into a block waits until it has eaten what is in it, and lags behind the hand.
+#[test]
+fn a_pushed_tool_waits_for_the_block() {
+    let n = 48;
+    let samples: Vec<u8> = (0..n * n * n).map(|i| if i % n < n / 2 { 255 } else { 0 }).collect();
+    let octree = HrbOctree::build(&samples, [n; 3], Tolerance::default());
+    let mut block = Sculpture::new(octree, 128.0, Border::Capped);
+    let before = volume_of(&block);
+    let tool = Tool {
+        shape: Shape::Ball,
+        deed: Deed::Remove,
+        radius: 6.0,
+        strength: 0.2,
+        falloff: Falloff::Hard,
+        range: [0.0, 255.0],
+    };
+    let middle = f64::from(n) / 2.0;
+    let way =
+        Piece { from: DVec3::new(44.0, middle, middle), to: DVec3::new(10.0, middle, middle) };
+    let contact = Contact { way, step: 1.0, stiffness: 2.0, moments: 400 };
+    let moments = block.push(&tool, &contact);
+    let last = moments.last().unwrap();
+    assert_eq!((last.tool, last.force), (34.0, 0.0), "it gets to the end");
+    // In the air there is no force; in the block there is, by Hooke's law.
+    assert!(moments[..8].iter().all(|moment| moment.force == 0.0));
+    assert!(moments.iter().any(|moment| moment.force > 10.0));
+    assert!(moments.iter().all(|moment| moment.force == 2.0 * (moment.hand - moment.tool)));
+    assert!(moments.windows(2).all(|pair| pair[1].tool >= pair[0].tool));
+    // Nothing solid is left where the tool has been.
+    let hole = Samples { first: [11, 24, 24], end: [24, 25, 25] };
+    assert!(
+        block
+            .octree()
+            .values(&hole)
+            .iter()
+            .all(|value| *value == Fixed8::from_f64(0.0) || { value.to_f64() < 128.0 })
+    );
+    assert!(volume_of(&block) < before);
+    check(&block, Border::Capped).unwrap();
+}
+
+fn volume_of(sculpture: &Sculpture<Fixed8>) -> usize {
+    let octree = sculpture.octree();
+    octree.values(&octree.samples()).iter().filter(|value| value.to_f64() >= 128.0).count()
 }

@@ -119,7 +119,7 @@ impl<V: Value> Sculpture<V> {
     /// The samples that a tool may change.
     fn touched(&self, tool: &Tool, piece: &Piece) -> Samples {
         let margin = match tool.deed {
-            Deed::Fill | Deed::Cut => RAMP,
+            Deed::Fill | Deed::Cut => 0.5 * RAMP,
             _ => 0.0,
         };
         let reach = tool.radius + margin;
