@@ -18,6 +18,7 @@ mod fans;
 mod formula;
 mod grid;
 mod halo;
+mod near;
 mod normals;
 mod quadric;
 mod repair;
