@@ -28,9 +28,13 @@ bless-words NAME:
 bench:
     cargo bench
 
-# Time Fidget at the same work, or `pictures`; the tables are for BENCHMARKS.md, and ZEROSET_DATA adds models
+# Time Fidget at the same work, `pictures` or `meshes`; the tables are for BENCHMARKS.md, and ZEROSET_DATA adds models
 bench-peers *NAMES:
     RUSTFLAGS="-C target-cpu=native" cargo run --release --locked --manifest-path benches/peers/Cargo.toml -- {{NAMES}}
+
+# Time VTK at the same isosurfaces; Python must have `vtk` and `numpy`, and ZEROSET_DATA adds scans
+bench-volumes:
+    python3 benches/volumes.py
 
 # Scene 1 by Zeroset and by POV-Ray, which must be installed: the picture and the figures of README
 beside-povray:
