@@ -28,13 +28,17 @@ bless-words NAME:
 bench:
     cargo bench
 
-# Time Fidget at the same work, or `pictures`; the tables are for BENCHMARKS.md, and ZEROSET_DATA adds models
+# Time Fidget at the same work, `pictures` or `meshes`; the tables are for BENCHMARKS.md, and ZEROSET_DATA adds models
 bench-peers *NAMES:
     RUSTFLAGS="-C target-cpu=native" cargo run --release --locked --manifest-path benches/peers/Cargo.toml -- {{NAMES}}
 
 # What octrees of samples take beside grids: the tables of BENCHMARKS, and ZEROSET_DATA adds scans
 storage:
     cargo run --release --example storage
+
+# Time VTK at the same isosurfaces; Python must have `vtk` and `numpy`, and ZEROSET_DATA adds scans
+bench-volumes:
+    python3 benches/volumes.py
 
 # Scene 1 by Zeroset and by POV-Ray, which must be installed: the picture and the figures of README
 beside-povray:

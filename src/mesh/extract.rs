@@ -445,28 +445,32 @@ impl Edges<'_> {
                     rest &= rest - 1;
                     let [a, b, c, d] = rows.map(|row| row >> x & 3);
                     let case = &cases[a | b << 2 | c << 4 | d << 6];
+                    let number = |edge: u8| numbers.of(first + x - 1, edge.into());
                     if stretched >> x & 1 == 1 {
-                        self.stretched_cell(halo, [x, y, z], case, triangles);
+                        self.stretched_cell(halo, [x, y, z], case, number, triangles);
                         continue;
                     }
-                    let cell = first + x - 1;
-                    let corners = |edges: &[u8; 3]| edges.map(|edge| numbers.of(cell, edge.into()));
+                    let corners = |edges: &[u8; 3]| edges.map(number);
                     triangles.extend(case.triangles.iter().map(corners));
                 }
             }
         }
     }
 
-    /// A cell between voxels of which some are larger.
+    /// A cell between voxels of which some are larger; `number` tells the vertices on edges between
+    /// others.
     fn stretched_cell(
         &self,
         halo: &Halo<'_>,
         at: [usize; 3],
         case: &Case,
+        number: impl Fn(u8) -> u32,
         triangles: &mut Vec<[u32; 3]>,
     ) {
-        let leaves: [Leaf; 8] = std::array::from_fn(|octant| halo.leaf(octant_at(at, octant)));
-        if !halo.is_corner(at, &leaves) {
+        let coarse = halo.coarse_octants(at);
+        let leaf = |octant: usize| halo.leaf(octant_at(at, octant));
+        // The finest voxels have corners everywhere.
+        if coarse == u8::MAX && !halo.is_corner(at, &std::array::from_fn(leaf)) {
             return;
         }
         for edges in &case.loops {
@@ -474,16 +478,19 @@ impl Edges<'_> {
             let (mut vertices, mut faces) = ([0; N_EDGES], [0; N_EDGES]);
             let mut n = 0;
             for &edge in edges {
-                let (edge, low) = (edge as usize, lower_octant(edge as usize));
-                let axis = axis_of(edge);
-                let edge_of = DualEdge::between(leaves[low], leaves[low | 1 << axis], axis);
-                let vertex = self.number(halo, &edge_of);
+                let (low, axis) = (lower_octant(edge.into()), axis_of(edge.into()));
+                let high = low | 1 << axis;
+                let vertex = if coarse & (1 << low | 1 << high) == 0 {
+                    number(edge)
+                } else {
+                    self.number(halo, &DualEdge::between(leaf(low), leaf(high), axis))
+                };
                 // Cells that are collapsed have the same edge several times.
                 if n == 0 || vertices[n - 1] != vertex {
                     (vertices[n], faces[n]) = (vertex, 0);
                     n += 1;
                 }
-                faces[n - 1] |= faces_of(edge);
+                faces[n - 1] |= faces_of(edge.into());
             }
             if n > 1 && vertices[0] == vertices[n - 1] {
                 n -= 1;

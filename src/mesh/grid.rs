@@ -46,6 +46,12 @@ pub fn offset(value: f64, isovalue: f64) -> f32 {
     (value - isovalue).clamp(f32::MIN.into(), f32::MAX.into()) as f32
 }
 
+/// Whether a value is the isovalue or above, from its [`offset`].
+#[inline]
+pub(super) fn is_inside(offset: f32) -> bool {
+    offset >= 0.0 && offset.is_sign_positive()
+}
+
 /// Values and sizes in one brick, x fastest.
 #[derive(Clone, Debug)]
 pub struct Brick {
@@ -65,7 +71,7 @@ impl Brick {
     /// A brick with these values, as [`offset`], and levels.
     #[must_use]
     pub fn new(place: [u32; 3], offsets: &[f32], levels: &[u8]) -> Self {
-        let inside = bits(offsets, |&offset| offset >= 0.0 && offset.is_sign_positive());
+        let inside = bits(offsets, |&offset| is_inside(offset));
         let coarse = bits(levels, |&level| level > 0);
         Self { place, offsets: offsets.into(), levels: levels.into(), inside, coarse }
     }

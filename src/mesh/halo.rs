@@ -104,6 +104,13 @@ impl<'a> Halo<'a> {
         rows | rows >> 1
     }
 
+    /// Bit x + 2y + 4z: that one of the eight voxels from a place on is larger than the finest.
+    #[inline]
+    pub(super) fn coarse_octants(&self, [x, y, z]: [usize; 3]) -> u8 {
+        let row = |y: usize, z: usize| (self.coarse[z][y] >> x & 3) as u8;
+        row(y, z) | row(y + 1, z) << 2 | row(y, z + 1) << 4 | row(y + 1, z + 1) << 6
+    }
+
     /// The rows of the inside of the four edges along x of a cell.
     #[inline]
     pub(super) fn rows(&self, y: usize, z: usize) -> [u16; 4] {

@@ -19,6 +19,7 @@ mod formula;
 mod grid;
 mod halo;
 mod live;
+mod near;
 mod normals;
 mod quadric;
 mod repair;

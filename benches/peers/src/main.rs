@@ -2,6 +2,7 @@
 //!
 //!     just bench-peers [part of a surface's name]...
 //!     just bench-peers pictures [part of a surface's name]...
+//!     just bench-peers meshes [part of a surface's name]...
 //!
 //! Tables for BENCHMARKS.md go to the standard output. For each surface the two programs are checked
 //! to hold the same function, Fidget's best setting is looked for, and both take turns with one
@@ -10,7 +11,8 @@
 //! The first compares the enumeration of all voxels that a surface may meet, with the gradient in
 //! each. Zeroset's time includes scheduling its tape, and the octree and the unit normals that it
 //! makes of what it finds; Fidget's begins when its function is ready, and makes nothing of what it
-//! finds: see `enumeration`. The second compares pictures with Fidget's own renderer: see `pictures`.
+//! finds: see `enumeration`. The second compares pictures with Fidget's own renderer, the third meshes with
+//! its mesher: see `pictures` and `meshes`.
 //!
 //! Both are built for the machine at hand: Fidget's intervals of sines and cosines gain up to a third.
 
@@ -18,6 +20,7 @@
 
 mod agreement;
 mod enumeration;
+mod meshes;
 mod pictures;
 mod program;
 mod report;
@@ -47,21 +50,31 @@ const THREADS: [usize; 2] = [1, 2];
 type Pools = [ThreadPool; THREADS.len()];
 
 fn main() {
-    let mut names: Vec<String> = env::args().skip(1).collect();
-    let is_pictures = names.first().is_some_and(|name| name == "pictures");
-    names.drain(..usize::from(is_pictures));
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    let (verb, names) = match arguments.split_first() {
+        Some((verb, names)) if ["pictures", "meshes"].contains(&verb.as_str()) => (&**verb, names),
+        _ => ("", &*arguments),
+    };
     let is_wanted = |workload: &Workload| {
         names.is_empty() || names.iter().any(|part| workload.name.contains(part))
     };
     let pools = THREADS.map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
-    if is_pictures {
-        let workloads = workloads::pictured().into_iter().filter(is_wanted);
-        let pictured: Vec<_> = workloads.map(|w| pictures::measure(&w, &pools)).collect();
-        report::print_pictures(&pictured);
-    } else {
-        let workloads = workloads::enumerated().into_iter().filter(is_wanted);
-        let outcomes: Vec<_> = workloads.map(|w| measure(&w, &pools)).collect();
-        report::print(&outcomes, THREADS);
+    match verb {
+        "pictures" => {
+            let workloads = workloads::pictured().into_iter().filter(is_wanted);
+            let pictured: Vec<_> = workloads.map(|w| pictures::measure(&w, &pools)).collect();
+            report::print_pictures(&pictured);
+        }
+        "meshes" => {
+            let workloads = workloads::meshed().into_iter().filter(is_wanted);
+            let meshed: Vec<_> = workloads.map(|w| meshes::measure(&w, &pools)).collect();
+            report::print_meshes(&meshed, THREADS);
+        }
+        _ => {
+            let workloads = workloads::enumerated().into_iter().filter(is_wanted);
+            let outcomes: Vec<_> = workloads.map(|w| measure(&w, &pools)).collect();
+            report::print(&outcomes, THREADS);
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::{
     agreement::{Kept, Likeness},
+    meshes::{Meshed, Quality},
     pictures,
     throughput::Throughput,
     timing::median,
@@ -78,6 +79,40 @@ pub fn print_pictures(pictures: &[Pictured]) {
 pub fn picture_summary(Pictured { name, times, .. }: &Pictured) -> String {
     let [one, two] = times.each_ref().map(|[zeroset, _, fidget]| ratio(fidget, zeroset));
     format!("{name}: Fidget takes {one} times Zeroset's time with one thread; with two {two}")
+}
+
+/// Prints the tables of meshes.
+pub fn print_meshes(meshes: &[Meshed], threads: [usize; 2]) {
+    println!(
+        "| surface | threads | Zeroset, certified, ms | by values, ms | Fidget, ms | \
+         Fidget / certified | Fidget / by values | Fidget's setting |\n\
+         |---|---|---|---|---|---|---|---|"
+    );
+    for Meshed { name, engines, times, .. } in meshes {
+        for ((times, engine), n_threads) in times.iter().zip(engines).zip(threads) {
+            let [certified, by_values, fidget] = times;
+            let [a, b, c] = [certified, by_values, fidget].map(|t| short(median(t) * 1e3));
+            let ratios = [ratio(fidget, certified), ratio(fidget, by_values)].join(" | ");
+            println!("| {name} | {n_threads} | {a} | {b} | {c} | {ratios} | {engine} |");
+        }
+    }
+    println!(
+        "\n| surface | mesh of | triangles | flipped | open edges | faults | crossing pairs | \
+         mean distance of middles, cells |\n|---|---|---|---|---|---|---|---|"
+    );
+    for Meshed { name, quality, .. } in meshes {
+        for (quality, program) in quality.iter().zip(["Zeroset", "Fidget"]) {
+            let Quality { n_triangles, n_flipped, n_open, n_faults, n_crossings, distance } =
+                *quality;
+            let counts = [n_triangles, n_flipped, n_open, n_faults, n_crossings].map(grouped);
+            println!("| {name} | {program} | {} | {distance:.4} |", counts.join(" | "));
+        }
+    }
+}
+
+/// The ratios of a mesh, for the impatient.
+pub fn mesh_summary(Meshed { name, times, .. }: &Meshed) -> String {
+    format!("{name}: {}", summary(times))
 }
 
 /// Prints the tables of enumerations.

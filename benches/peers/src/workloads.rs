@@ -88,7 +88,7 @@ pub fn enumerated() -> Vec<Workload> {
     let mut all = scenes();
     all.extend([
         gyroid(),
-        Workload::equation("sphere", "x^2 + y^2 + z^2 = 1", 1.2, &sphere()),
+        sphere(),
         Workload::equation("torus", "(sqrt(x^2 + y^2) - 1)^2 + z^2 = 0.16", 1.5, &torus()),
         Workload::equation(
             "tanglecube",
@@ -106,6 +106,14 @@ pub fn enumerated() -> Vec<Workload> {
 pub fn pictured() -> Vec<Workload> {
     let mut all = scenes();
     all.extend([gyroid().cut(15.0)]);
+    all.extend(model("bear.vm"));
+    all
+}
+
+/// What is meshed. The gyroid ends at the border of the domain, where both leave it open.
+pub fn meshed() -> Vec<Workload> {
+    let mut all = scenes();
+    all.extend([gyroid(), sphere()]);
     all.extend(model("bear.vm"));
     all
 }
@@ -171,9 +179,10 @@ fn gyroid() -> Workload {
     )
 }
 
-fn sphere() -> Tree {
+fn sphere() -> Workload {
     let (x, y, z) = Tree::axes();
-    x.square() + y.square() + z.square() - 1.0
+    let tree = x.square() + y.square() + z.square() - 1.0;
+    Workload::equation("sphere", "x^2 + y^2 + z^2 = 1", 1.2, &tree)
 }
 
 fn torus() -> Tree {
