@@ -36,6 +36,21 @@ pub fn write(frame: &Frame, options: &PngOptions, out: impl Write) -> Result<(),
     Ok(writer.finish()?)
 }
 
+/// Writes an opaque picture: red, green and blue of each pixel in sRGB, rows from the top.
+///
+/// # Errors
+/// If `out` fails, or the picture is empty or has not so many bytes.
+pub fn write_rgb8(
+    [width, height]: [u32; 2],
+    pixels: &[u8],
+    options: &PngOptions,
+    out: impl Write,
+) -> Result<(), WriteError> {
+    let mut writer = encoder(width, height, true, options, out)?.write_header()?;
+    writer.write_image_data(pixels)?;
+    Ok(writer.finish()?)
+}
+
 /// An encoder that says what is the same for all pictures; without alpha if they are opaque.
 pub(super) fn encoder<W: Write>(
     width: u32,

@@ -8,7 +8,7 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 14] = [
+const SECTIONS: [&str; 15] = [
     "version",
     "params",
     "let",
@@ -23,6 +23,7 @@ const SECTIONS: [&str; 14] = [
     "output",
     "mesh",
     "animation",
+    "about",
 ];
 
 /// A key outside the sections, or a section, that does not exist.
@@ -47,6 +48,7 @@ fn place_of(key: &str) -> Option<&'static str> {
         "width" | "height" | "background" => "[image]",
         "fov" | "eye" | "target" | "projection" => "[camera]",
         "frames" | "turntable" | "fps" => "[animation]",
+        "title" | "source" | "note" => "[about]",
         _ => return None,
     })
 }

@@ -116,6 +116,7 @@ fn sections(root: DeTable<'_>, source: &str, errors: &mut Vec<Diagnostic>) -> Sc
                 let help = "a light is written in double brackets";
                 spec.lights = repeated("[[light]]", help, value, errors);
             }
+            "about" => spec.about = section("[about]", value, errors),
             "params" => spec.params = names("[params]", value, source, errors),
             "let" => spec.lets = names("[let]", value, source, errors),
             "domain" => spec.domain = section("[domain]", value, errors),
