@@ -36,17 +36,22 @@ pub fn write(frame: &Frame, options: &PngOptions, out: impl Write) -> Result<(),
     Ok(writer.finish()?)
 }
 
-/// Writes an opaque picture: red, green and blue of each pixel in sRGB, rows from the top.
+/// Writes a picture of at most 256 colours: red, green and blue of each in sRGB, and the number of each
+/// pixel's colour, rows from the top.
 ///
 /// # Errors
-/// If `out` fails, or the picture is empty or has not so many bytes.
-pub fn write_rgb8(
+/// If `out` fails, or the picture is empty or has not so many pixels.
+pub fn write_indexed(
     [width, height]: [u32; 2],
+    palette: &[u8],
     pixels: &[u8],
     options: &PngOptions,
     out: impl Write,
 ) -> Result<(), WriteError> {
-    let mut writer = encoder(width, height, true, options, out)?.write_header()?;
+    let mut encoder = encoder(width, height, true, options, out)?;
+    encoder.set_color(ColorType::Indexed);
+    encoder.set_palette(palette.to_vec());
+    let mut writer = encoder.write_header()?;
     writer.write_image_data(pixels)?;
     Ok(writer.finish()?)
 }
