@@ -91,11 +91,13 @@ fn sixty_surfaces_are_in_it_and_all_with_known_truths() {
 }
 
 #[test]
-fn each_says_what_it_is_and_leaves_nothing_open() {
+fn each_says_what_it_is_without_a_warning() {
     for entry in ENTRIES {
         let scene = entry.scene(&[]).unwrap();
         pipeline::check(&scene).unwrap();
-        assert!(scene.warnings.is_empty(), "{}: {:?}", entry.name(), scene.warnings);
+        // One is there to show that a golden ratio may hide an angle.
+        let is_warned = !scene.warnings.is_empty();
+        assert_eq!(is_warned, entry.name() == "barth_sextic", "{:?}", scene.warnings);
         let about = scene.about;
         for words in [about.title, about.source, about.note] {
             assert!(words.is_some_and(|words| words.len() > 2), "{}", entry.name());
@@ -174,14 +176,14 @@ fn a_sheet_is_a_picture_of_all_that_are_named() {
     let output = render(directory.path(), &arguments);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let sheet = image::open(path).unwrap().into_rgb8();
-    assert_eq!(sheet.dimensions(), (2 * 144, 2 * 176));
+    assert_eq!(sheet.dimensions(), (2 * 128, 2 * 160));
     let is_white = |x, y| sheet.get_pixel(x, y).0 == [255; 3];
-    assert!(!is_white(72, 72) && !is_white(144 + 72, 72), "the middles of two pictures");
+    assert!(!is_white(64, 64) && !is_white(128 + 64, 64), "the middles of two pictures");
     let has_ink = |left: u32, top: u32| {
-        (0..144 * 16).any(|i| sheet.get_pixel(left + i % 144, top + i / 144).0[0] < 128)
+        (0..128 * 16).any(|i| sheet.get_pixel(left + i % 128, top + i / 128).0[0] < 128)
     };
-    assert!(has_ink(0, 144) && has_ink(0, 176 + 144), "their titles");
-    assert!(!has_ink(144, 176) && !has_ink(144, 176 + 144), "there is no fourth");
+    assert!(has_ink(0, 128) && has_ink(0, 160 + 128), "their titles");
+    assert!(!has_ink(128, 160) && !has_ink(128, 160 + 128), "there is no fourth");
 }
 
 #[test]

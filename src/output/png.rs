@@ -8,7 +8,9 @@
 use std::{io::Write, sync::LazyLock};
 
 use image::{Rgba, RgbaImage};
-use png::{BitDepth, ColorType, Encoder, EncodingError, ScaledFloat, SrgbRenderingIntent};
+use png::{
+    BitDepth, ColorType, Compression, Encoder, EncodingError, ScaledFloat, SrgbRenderingIntent,
+};
 use rayon::prelude::*;
 
 use super::{SOFTWARE, WriteError};
@@ -36,21 +38,19 @@ pub fn write(frame: &Frame, options: &PngOptions, out: impl Write) -> Result<(),
     Ok(writer.finish()?)
 }
 
-/// Writes a picture of at most 256 colours: red, green and blue of each in sRGB, and the number of each
-/// pixel's colour, rows from the top.
+/// Writes an opaque picture, as small as it gets: red, green and blue of each pixel in sRGB, rows from the
+/// top.
 ///
 /// # Errors
-/// If `out` fails, or the picture is empty or has not so many pixels.
-pub fn write_indexed(
+/// If `out` fails, or the picture is empty or has not so many bytes.
+pub fn write_rgb8(
     [width, height]: [u32; 2],
-    palette: &[u8],
     pixels: &[u8],
     options: &PngOptions,
     out: impl Write,
 ) -> Result<(), WriteError> {
     let mut encoder = encoder(width, height, true, options, out)?;
-    encoder.set_color(ColorType::Indexed);
-    encoder.set_palette(palette.to_vec());
+    encoder.set_compression(Compression::High);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(pixels)?;
     Ok(writer.finish()?)
