@@ -176,14 +176,14 @@ fn a_sheet_is_a_picture_of_all_that_are_named() {
     let output = render(directory.path(), &arguments);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let sheet = image::open(path).unwrap().into_rgb8();
-    assert_eq!(sheet.dimensions(), (2 * 128, 2 * 160));
+    assert_eq!(sheet.dimensions(), (2 * 120, 2 * 152));
     let is_white = |x, y| sheet.get_pixel(x, y).0 == [255; 3];
-    assert!(!is_white(64, 64) && !is_white(128 + 64, 64), "the middles of two pictures");
+    assert!(!is_white(60, 60) && !is_white(120 + 60, 60), "the middles of two pictures");
     let has_ink = |left: u32, top: u32| {
-        (0..128 * 16).any(|i| sheet.get_pixel(left + i % 128, top + i / 128).0[0] < 128)
+        (0..120 * 16).any(|i| sheet.get_pixel(left + i % 120, top + i / 120).0[0] < 128)
     };
-    assert!(has_ink(0, 128) && has_ink(0, 160 + 128), "their titles");
-    assert!(!has_ink(128, 160) && !has_ink(128, 160 + 128), "there is no fourth");
+    assert!(has_ink(0, 120) && has_ink(0, 152 + 120), "their titles");
+    assert!(!has_ink(120, 152) && !has_ink(120, 152 + 120), "there is no fourth");
 }
 
 #[test]

@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// Width and height of a picture.
-const CELL: usize = 128;
+const CELL: usize = 120;
 
 const LINE: RasterHeight = RasterHeight::Size16;
 
