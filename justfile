@@ -16,6 +16,11 @@ test:
 consumers *ARGUMENTS:
     ZEROSET_INSTALL=1 tests/consumers.sh {{ARGUMENTS}}
 
+# Make the gallery's page in out/gallery, and open it in Chromium
+gallery:
+    cargo run --release -- gallery --page out/gallery
+    ZEROSET_INSTALL=1 tests/gallery.sh out/gallery
+
 # Renew the reference pictures of a scene, or `all`; then look at them and run the tests
 bless NAME:
     -ZEROSET_BLESS={{NAME}} cargo test --release --test golden

@@ -20,6 +20,10 @@ pub enum Error {
     #[error("{0}")]
     Limit(String),
 
+    /// An argument names what does not exist.
+    #[error("{0}")]
+    Unknown(String),
+
     /// A file could not be read or written.
     #[error("cannot {action} {}", .path.display())]
     Io {
@@ -50,7 +54,7 @@ impl Error {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Scene(_) | Self::Empty(_) | Self::Limit(_) => 2,
+            Self::Scene(_) | Self::Empty(_) | Self::Limit(_) | Self::Unknown(_) => 2,
             Self::Io { .. } | Self::Encode { .. } => 1,
             Self::Interrupted => 130,
         }

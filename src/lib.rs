@@ -12,7 +12,8 @@
 //! | [`raster`] | octrees and a [`Camera`](raster::Camera) | a [`Frame`](raster::Frame) |
 //! | [`output`] | a frame, meshes | PNG and EXR; glTF, OBJ, PLY, STL and 3MF |
 //!
-//! [`pipeline`] puts them together, and [`film`] repeats it for many frames; [`cli`] is the command `render` around it.
+//! [`pipeline`] puts them together, [`film`] repeats it for many frames, and
+//! [`gallery`] shows famous surfaces with it; [`cli`] is the command `render` around it.
 //!
 //! # From a formula to voxels
 //!
@@ -83,6 +84,7 @@ pub mod evaluate;
 pub mod expr;
 pub mod files;
 pub mod film;
+pub mod gallery;
 pub mod hrb;
 pub mod isosurface;
 pub mod limits;

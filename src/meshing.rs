@@ -24,12 +24,7 @@ pub fn meshes(
         let split_vertices = mesh.split_touching();
         let full = most_triangles.map(|n_wanted| {
             let full = mesh.clone();
-            mesh.decimate(n_wanted as usize);
-            if let Some(tape) = tape
-                && mesh.triangles.len() < full.triangles.len()
-            {
-                mesh.take_normals_of(tape, simd);
-            }
+            thin_out(&mut mesh, n_wanted as usize, tape, simd);
             full
         });
         numbers.push(statistics::Mesh::of(&mesh, full.as_ref(), split_vertices));
@@ -47,6 +42,17 @@ pub fn meshes(
     }
     scene.isosurfaces.iter().for_each(|mesh| finish(mesh.clone(), None));
     (meshes, numbers)
+}
+
+/// Leaves `n_wanted` triangles of a mesh, if it can, with the normals of its formula, if it has one.
+pub(crate) fn thin_out(mesh: &mut Mesh, n_wanted: usize, tape: Option<&Tape>, simd: SimdLevel) {
+    let n_before = mesh.triangles.len();
+    mesh.decimate(n_wanted);
+    if let Some(tape) = tape
+        && mesh.triangles.len() < n_before
+    {
+        mesh.take_normals_of(tape, simd);
+    }
 }
 
 /// What the user should know about a mesh that is not clean, or has more triangles than are wanted.

@@ -42,12 +42,14 @@ fn it_is_fresh() {
 #[test]
 fn shipped_scenes_are_valid_and_name_it() {
     let schema = schema();
-    let scenes = fs::read_dir(root().join("configs")).unwrap().map(|entry| entry.unwrap().path());
-    for path in scenes.filter(|path| path.extension().is_some_and(|ending| ending == "toml")) {
-        let text = fs::read_to_string(&path).unwrap();
-        assert!(text.starts_with("#:schema ./schema.json\n"), "{}", path.display());
-        check(&toml::from_str(&text).unwrap(), &schema)
-            .unwrap_or_else(|mistake| panic!("{}: {mistake}", path.display()));
+    for (folder, first) in [("configs", "./schema.json"), ("gallery", "../configs/schema.json")] {
+        let scenes = fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path());
+        for path in scenes.filter(|path| path.extension().is_some_and(|ending| ending == "toml")) {
+            let text = fs::read_to_string(&path).unwrap();
+            assert!(text.starts_with(&format!("#:schema {first}\n")), "{}", path.display());
+            check(&toml::from_str(&text).unwrap(), &schema)
+                .unwrap_or_else(|mistake| panic!("{}: {mistake}", path.display()));
+        }
     }
 }
 

@@ -1,12 +1,23 @@
 //! What was typed, and what it asks for. Nothing else sees clap.
 
-use std::{num::NonZeroUsize, ops::RangeInclusive, path::PathBuf, thread};
+use std::{
+    num::NonZeroUsize,
+    ops::RangeInclusive,
+    path::{Path, PathBuf},
+    thread,
+};
 
 use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
 use clap_complete::Shell;
 
 use super::{evaluate::Evaluation, yields::Measurement};
-use crate::{evaluate, hrb::Criterion, math::SimdLevel, pipeline::Options, scene::MAX_RESOLUTION};
+use crate::{
+    Result, evaluate, gallery,
+    hrb::Criterion,
+    math::SimdLevel,
+    pipeline::Options,
+    scene::{self, MAX_RESOLUTION, Scene},
+};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -16,6 +27,7 @@ Examples:
   render *.toml --out pictures --quiet       many scenes, and nothing said unless something fails
   render turn.toml --frames 10-19            ten frames of a film
   render heart.toml --stats - | jq .         what was done, as JSON
+  render gallery kummer                      a surface that comes with the program
 
 Exit codes:
   0 all went well · 1 something failed · 2 a scene or an argument is wrong · 130 interrupted
@@ -156,6 +168,44 @@ struct EvaluateArgs {
     quiet: bool,
 }
 
+#[derive(Debug, Args)]
+struct GalleryArgs {
+    /// Surfaces to render [default: a list is printed]
+    #[arg(value_name = "NAME")]
+    names: Vec<String>,
+
+    /// Write a page with pictures, equations and models that turn, of the named surfaces or of all, to
+    /// DIR/index.html
+    #[arg(long, value_name = "DIR")]
+    page: Option<PathBuf>,
+
+    /// Write small pictures of the named surfaces or of all to one PNG file
+    #[arg(long, value_name = "FILE")]
+    sheet: Option<PathBuf>,
+
+    /// Give a parameter of the scenes another value, a number or a formula; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    #[arg(conflicts_with_all = ["page", "sheet"])]
+    set: Vec<String>,
+
+    /// Directory for the pictures; created if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+
+    /// Number of threads [default: one for each core]; the result does not depend on it
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// Voxels along the longest axis, instead of what the scenes say
+    #[arg(long, value_name = "N")]
+    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
+    resolution: Option<u32>,
+
+    /// Show no progress, warnings and summary; only mistakes and failures
+    #[arg(long, short, display_order = 100)]
+    quiet: bool,
+}
+
 #[derive(Debug, Subcommand)]
 enum Subcommands {
     /// Find every mistake in scene files without rendering them
@@ -165,6 +215,8 @@ enum Subcommands {
     /// Remake the evaluation of León Salas (2008): a report on space, time and errors of octrees of
     /// samples
     Evaluate(EvaluateArgs),
+    /// List famous surfaces, render some, or make a page or a sheet of them
+    Gallery(GalleryArgs),
     /// Print the JSON Schema of scene files, with which editors complete them
     Schema,
     /// Print a script that makes a shell complete this command
@@ -176,12 +228,12 @@ enum Subcommands {
     Man,
 }
 
-fn finite(text: &str) -> Result<f64, String> {
+fn finite(text: &str) -> std::result::Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite());
     number.ok_or_else(|| "write a number such as 60 or 0.5".to_owned())
 }
 
-fn criterion(name: &str) -> Result<Criterion, String> {
+fn criterion(name: &str) -> std::result::Result<Criterion, String> {
     match name {
         "range" => Ok(Criterion::Range),
         "deviation" => Ok(Criterion::Deviation),
@@ -189,7 +241,7 @@ fn criterion(name: &str) -> Result<Criterion, String> {
     }
 }
 
-fn simd_level(name: &str) -> Result<SimdLevel, String> {
+fn simd_level(name: &str) -> std::result::Result<SimdLevel, String> {
     SimdLevel::from_name(name).ok_or_else(|| {
         let available: Vec<_> = SimdLevel::available().into_iter().map(SimdLevel::name).collect();
         format!("this machine has {}", available.join(", "))
@@ -197,7 +249,7 @@ fn simd_level(name: &str) -> Result<SimdLevel, String> {
 }
 
 /// A number of bytes with one of the endings K, M, G and T, for powers of 1024, or none.
-fn bytes(text: &str) -> Result<u64, String> {
+fn bytes(text: &str) -> std::result::Result<u64, String> {
     let (number, exponent) = match text.find(|c: char| !c.is_ascii_digit()) {
         None => (text, 0),
         Some(end) => match &text[end..] {
@@ -215,7 +267,7 @@ fn bytes(text: &str) -> Result<u64, String> {
 }
 
 /// `A-B` or a single number, from 1.
-fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
+fn frames(text: &str) -> std::result::Result<RangeInclusive<u32>, String> {
     let (first, last) = text.split_once('-').unwrap_or((text, text));
     match (first.parse(), last.parse()) {
         (Ok(first), Ok(last)) if 1 <= first && first <= last => Ok(first..=last),
@@ -242,16 +294,34 @@ pub(super) enum Plan {
     Yield(Scenes, Measurement),
     /// Evaluate octrees of samples.
     Evaluate(Evaluation),
+    /// List the gallery.
+    List,
+    /// Show the gallery, or some of it.
+    Exhibit(Exhibition),
     /// Print the schema of scene files.
     Schema,
     /// Print what was made of the definition of the arguments.
     Print(Vec<u8>),
 }
 
+/// Where a page and a sheet of the gallery go.
+#[derive(Debug)]
+pub(super) struct Exhibition {
+    /// All where there are none.
+    pub(super) names: Vec<String>,
+    pub(super) page: Option<PathBuf>,
+    pub(super) sheet: Option<PathBuf>,
+    pub(super) options: Options,
+    pub(super) quiet: bool,
+}
+
 /// Scene files and how to read them.
 #[derive(Debug)]
 pub(super) struct Scenes {
+    /// Files, or names of the gallery.
     pub(super) paths: Vec<PathBuf>,
+    /// What reads one of them, with settings, and whether files outside its folder may be included.
+    pub(super) load: fn(&Path, &[String], bool) -> Result<Scene>,
     /// Each `name=value`.
     pub(super) settings: Vec<String>,
     /// Whether files outside a scene's folder may be included.
@@ -260,16 +330,17 @@ pub(super) struct Scenes {
 }
 
 /// Reads the command line. The error may be a request for help; it knows its own exit code.
-pub(super) fn parse() -> Result<Plan, clap::Error> {
+pub(super) fn parse() -> std::result::Result<Plan, clap::Error> {
     CommandLine::try_parse().and_then(plan)
 }
 
-fn plan(line: CommandLine) -> Result<Plan, clap::Error> {
+fn plan(line: CommandLine) -> std::result::Result<Plan, clap::Error> {
     Ok(match line.command {
         None => render(line.render),
         Some(Subcommands::Check(input)) => Plan::Check(scenes(input)),
         Some(Subcommands::Yield(args)) => measure(args),
         Some(Subcommands::Evaluate(args)) => Plan::Evaluate(evaluation(args)),
+        Some(Subcommands::Gallery(args)) => exhibit(args),
         Some(Subcommands::Schema) => Plan::Schema,
         Some(Subcommands::Completions { shell }) => Plan::Print(completions(shell)),
         Some(Subcommands::Man) => Plan::Print(manual()?),
@@ -296,6 +367,27 @@ fn render(args: RenderArgs) -> Plan {
     }
 }
 
+fn exhibit(args: GalleryArgs) -> Plan {
+    let GalleryArgs { names, page, sheet, set, out, threads, resolution, quiet } = args;
+    let options = Options {
+        out_dir: out,
+        threads: threads.and_then(|n| NonZeroUsize::new(usize::from(n))),
+        resolution,
+        ..Options::default()
+    };
+    if page.is_some() || sheet.is_some() {
+        return Plan::Exhibit(Exhibition { names, page, sheet, options, quiet });
+    }
+    if names.is_empty() {
+        return Plan::List;
+    }
+    let paths = names.into_iter().map(PathBuf::from).collect();
+    // Scenes of the gallery include nothing.
+    let load = |name: &Path, settings: &[String], _| gallery::load(name, settings);
+    let scenes = Scenes { paths, load, settings: set, allow_outside: false, quiet };
+    Plan::Render { scenes, options, stats: StatsTarget::Nowhere }
+}
+
 fn measure(args: YieldArgs) -> Plan {
     let n_cores = thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let powers = std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|&n| n < n_cores);
@@ -319,12 +411,8 @@ fn evaluation(args: EvaluateArgs) -> Evaluation {
 }
 
 fn scenes(input: Input) -> Scenes {
-    Scenes {
-        paths: input.scenes,
-        settings: input.set,
-        allow_outside: input.allow_outside,
-        quiet: input.quiet,
-    }
+    let Input { scenes, set, allow_outside, quiet } = input;
+    Scenes { paths: scenes, load: scene::load_with, settings: set, allow_outside, quiet }
 }
 
 fn completions(shell: Shell) -> Vec<u8> {
@@ -333,7 +421,7 @@ fn completions(shell: Shell) -> Vec<u8> {
     script
 }
 
-fn manual() -> Result<Vec<u8>, clap::Error> {
+fn manual() -> std::result::Result<Vec<u8>, clap::Error> {
     let mut page = Vec::new();
     clap_mangen::Man::new(CommandLine::command()).render(&mut page)?;
     Ok(page)

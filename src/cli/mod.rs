@@ -2,6 +2,7 @@
 
 mod args;
 mod evaluate;
+mod exhibit;
 mod progress;
 mod render;
 mod report;
@@ -28,6 +29,8 @@ pub fn run() -> ExitCode {
         Plan::Check(scenes) => check(&scenes),
         Plan::Yield(scenes, measurement) => yields::measure(&scenes, &measurement),
         Plan::Evaluate(evaluation) => evaluate::evaluate(&evaluation),
+        Plan::List => print(exhibit::list().as_bytes()),
+        Plan::Exhibit(exhibition) => exhibit::exhibit(&exhibition),
         Plan::Schema => print(scene::schema().as_bytes()),
         Plan::Print(text) => print(&text),
     })
@@ -36,7 +39,7 @@ pub fn run() -> ExitCode {
 /// Looks for mistakes in every scene; the worst exit code counts.
 fn check(scenes: &Scenes) -> u8 {
     let check = |path: &Path| -> Result<()> {
-        let scene = scene::load_with(path, &scenes.settings, scenes.allow_outside)?;
+        let scene = (scenes.load)(path, &scenes.settings, scenes.allow_outside)?;
         pipeline::check(&scene)?;
         if !scenes.quiet {
             report::warnings(&scene);

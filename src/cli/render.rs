@@ -16,7 +16,7 @@ use crate::{
     Error, Result, film, output,
     pipeline::{self, Options},
     progress::Progress as _,
-    scene::{self, Outputs, Scene},
+    scene::{Outputs, Scene},
     statistics::Statistics,
 };
 
@@ -66,7 +66,7 @@ impl Session {
 
     fn render(&mut self, path: &Path) -> Result<()> {
         let start = Instant::now();
-        let scene = scene::load_with(path, &self.scenes.settings, self.scenes.allow_outside)?;
+        let scene = (self.scenes.load)(path, &self.scenes.settings, self.scenes.allow_outside)?;
         if !self.scenes.quiet {
             report::warnings(&scene);
         }

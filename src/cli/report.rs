@@ -38,6 +38,7 @@ pub(super) fn failure(path: &Path, error: &Error) {
         Error::Scene(rejection) => {
             say(&excerpts(&Level::ERROR, &rejection.diagnostics, &rejection.sources, &renderer));
         }
+        Error::Unknown(words) => say(&renderer.render(&[title(words)])),
         Error::Empty(_) | Error::Limit(_) => {
             say(&renderer.render(&[title(&format!("{}: {error}", path.display()))]));
         }

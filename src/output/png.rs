@@ -8,7 +8,9 @@
 use std::{io::Write, sync::LazyLock};
 
 use image::{Rgba, RgbaImage};
-use png::{BitDepth, ColorType, Encoder, EncodingError, ScaledFloat, SrgbRenderingIntent};
+use png::{
+    BitDepth, ColorType, Compression, Encoder, EncodingError, ScaledFloat, SrgbRenderingIntent,
+};
 use rayon::prelude::*;
 
 use super::{SOFTWARE, WriteError};
@@ -33,6 +35,24 @@ pub fn write(frame: &Frame, options: &PngOptions, out: impl Write) -> Result<(),
     let is_opaque = pixels.iter().all(|pixel| pixel[3] == u8::MAX);
     let mut writer = encoder(frame.width, frame.height, is_opaque, options, out)?.write_header()?;
     writer.write_image_data(&bytes(pixels, is_opaque))?;
+    Ok(writer.finish()?)
+}
+
+/// Writes an opaque picture, as small as it gets: red, green and blue of each pixel in sRGB, rows from the
+/// top.
+///
+/// # Errors
+/// If `out` fails, or the picture is empty or has not so many bytes.
+pub fn write_rgb8(
+    [width, height]: [u32; 2],
+    pixels: &[u8],
+    options: &PngOptions,
+    out: impl Write,
+) -> Result<(), WriteError> {
+    let mut encoder = encoder(width, height, true, options, out)?;
+    encoder.set_compression(Compression::High);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels)?;
     Ok(writer.finish()?)
 }
 

@@ -8,7 +8,7 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 17] = [
+const SECTIONS: [&str; 18] = [
     "version",
     "params",
     "let",
@@ -26,6 +26,7 @@ const SECTIONS: [&str; 17] = [
     "output",
     "mesh",
     "animation",
+    "about",
 ];
 
 /// A key outside the sections, or a section, that does not exist.
@@ -50,6 +51,7 @@ fn place_of(key: &str) -> Option<&'static str> {
         "width" | "height" | "background" => "[image]",
         "fov" | "eye" | "target" | "projection" => "[camera]",
         "frames" | "turntable" | "fps" => "[animation]",
+        "title" | "source" | "note" => "[about]",
         _ => return None,
     })
 }

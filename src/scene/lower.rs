@@ -12,14 +12,15 @@ use std::{
 use glam::DVec3;
 
 use super::{
-    Scene, Surface,
+    About, Scene, Surface,
     animation::Track,
     color::linear,
     formula::Formula,
     leaf::{Background, Color, Detail, Number, Numbers, Target, Whole},
     spanned::Spanned,
     spec::{
-        DomainSpec, ImageSpec, SceneSpec, ScheduleSpec, Section, ShadeSpec, StorageSpec, VoxelsSpec,
+        AboutSpec, DomainSpec, ImageSpec, SceneSpec, ScheduleSpec, Section, ShadeSpec, StorageSpec,
+        VoxelsSpec,
     },
 };
 use crate::{
@@ -74,6 +75,11 @@ pub(super) struct Lower<'a> {
     pub(super) tracks: Vec<Track>,
 }
 
+fn about(spec: &AboutSpec) -> About {
+    let AboutSpec { title, source, note } = spec.clone();
+    About { title, source, note }
+}
+
 impl<'a> Lower<'a> {
     /// Goes on after the mistakes that were found while the file was read.
     pub(super) fn new(
@@ -111,6 +117,7 @@ impl<'a> Lower<'a> {
         let (of_carvings, carved): (Vec<_>, Vec<_>) = carved.unzip();
         Scene {
             name: name.to_owned(),
+            about: about(&spec.about.spec),
             surfaces,
             models: models.into_iter().chain(of_volumes).chain(of_carvings).collect(),
             isosurfaces: isosurfaces.into_iter().chain(carved).collect(),

@@ -41,6 +41,8 @@ pub use schema::schema;
 pub use sculpture::Carving;
 pub use volume::Scan;
 
+use serde::Serialize;
+
 use crate::{
     diagnostic::{Diagnostic, Sources},
     expr::Expr,
@@ -57,6 +59,8 @@ use crate::{
 pub struct Scene {
     /// The file's stem; outputs are named after it.
     pub name: String,
+    /// What it shows, for people.
+    pub about: About,
     /// At least one, unless there are volumes.
     pub surfaces: Vec<Surface>,
     /// Polygon models, drawn beside them.
@@ -93,6 +97,17 @@ pub struct Scene {
     pub warnings: Vec<Diagnostic>,
     /// The texts that it was made of.
     pub sources: Sources,
+}
+
+/// What a scene shows, in words; nothing depends on it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct About {
+    /// What it is called.
+    pub title: Option<String>,
+    /// Who found or published it, and when.
+    pub source: Option<String>,
+    /// What is special about it.
+    pub note: Option<String>,
 }
 
 /// One surface F = 0.

@@ -121,6 +121,7 @@ fn sections(root: DeTable<'_>, source: &str, errors: &mut Vec<Diagnostic>) -> Sc
                 let help = "a light is written in double brackets";
                 spec.lights = repeated("[[light]]", help, value, errors);
             }
+            "about" => spec.about = section("[about]", value, errors),
             "params" => spec.params = names("[params]", value, source, errors),
             "let" => spec.lets = names("[let]", value, source, errors),
             "shapes" => spec.shapes = names("[shapes]", value, source, errors).into_shapes(),

@@ -22,6 +22,8 @@ pub(super) const VERSION: &str = "1";
 #[derive(Debug, Default, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub(super) struct SceneSpec {
+    #[schemars(default)]
+    pub(super) about: Section<AboutSpec>,
     /// Numbers with names that all formulas may use, each a number or a formula without
     /// coordinates; `--set name=value` overrides them.
     #[schemars(default)]
@@ -99,6 +101,18 @@ impl<T: JsonSchema> JsonSchema for Section<T> {
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         T::json_schema(generator)
     }
+}
+
+/// What the scene shows, for people; nothing depends on it.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AboutSpec {
+    /// What it is called; the name of the file by default.
+    pub(super) title: Option<String>,
+    /// Who found or published it, and when.
+    pub(super) source: Option<String>,
+    /// What is special about it.
+    pub(super) note: Option<String>,
 }
 
 /// What is drawn: one of `f`, `shape`, `blend` and `file`.
