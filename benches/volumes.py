@@ -25,7 +25,7 @@ from vtk.util import numpy_support
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / "target/release/examples/isosurfaces"
 ISOVALUE = 60
-ROUNDS = 9
+ROUNDS = 5
 SIZES = [256, 512]
 
 # What lies at radii up to 1 is solid, and its density 255 (1 - r).

@@ -4,7 +4,6 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rustc_hash::FxHashMap;
 
 use super::{
     Mesh,
@@ -67,7 +66,7 @@ impl Mesh {
                 as u64,
             ..Health::default()
         };
-        for uses in self.edges().values() {
+        for uses in self.edges() {
             match uses {
                 [1, 1] => {}
                 [1, 0] | [0, 1] => health.open_edges += 1,
@@ -87,7 +86,7 @@ impl Mesh {
     /// Whether it has a border: an edge that only one triangle has.
     #[must_use]
     pub fn is_open(&self) -> bool {
-        self.edges().values().any(|uses| matches!(uses, [0, 1] | [1, 0]))
+        self.edges().iter().any(|uses| matches!(uses, [0, 1] | [1, 0]))
     }
 
     /// Counts and measures.
@@ -114,15 +113,34 @@ impl Mesh {
         }
     }
 
-    /// How often each edge is used upwards and downwards, by its smaller and its larger vertex.
-    fn edges(&self) -> FxHashMap<(u32, u32), [u32; 2]> {
-        let mut edges: FxHashMap<(u32, u32), [u32; 2]> = FxHashMap::default();
-        edges.reserve(3 * self.triangles.len() / 2);
-        for &[a, b, c] in &self.triangles {
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                let uses = edges.entry((from.min(to), from.max(to))).or_default();
-                uses[usize::from(from > to)] += 1;
+    /// How often each edge is used from its smaller to its larger vertex, and the other way.
+    fn edges(&self) -> Vec<[u32; 2]> {
+        let sides = || {
+            let of_triangle = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)];
+            self.triangles.iter().flat_map(of_triangle)
+        };
+        // All sides that have the same smaller vertex stand together, from one of `ends` to the next.
+        let mut ends = vec![0_usize; self.positions.len() + 1];
+        sides().for_each(|(from, to)| ends[from.min(to) as usize + 1] += 1);
+        for vertex in 1..ends.len() {
+            ends[vertex] += ends[vertex - 1];
+        }
+        let mut others = vec![(0_u32, false); 3 * self.triangles.len()];
+        for (from, to) in sides() {
+            let end = &mut ends[from.min(to) as usize];
+            others[*end] = (from.max(to), from > to);
+            *end += 1;
+        }
+        let mut edges = Vec::with_capacity(others.len() / 2);
+        let mut start = 0;
+        for &end in &ends[..self.positions.len()] {
+            let of_vertex = &mut others[start..end];
+            of_vertex.sort_unstable();
+            for uses in of_vertex.chunk_by(|a, b| a.0 == b.0) {
+                let n_down = uses.iter().filter(|(_, is_down)| *is_down).count();
+                edges.push([uses.len() - n_down, n_down].map(|n| n as u32));
             }
+            start = end;
         }
         edges
     }

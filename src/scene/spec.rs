@@ -39,7 +39,7 @@ pub(super) struct SceneSpec {
     #[schemars(default)]
     pub(super) include: Vec<Spanned<String>>,
     /// What is drawn.
-    #[schemars(rename = "surface", length(min = 1))]
+    #[schemars(rename = "surface", default)]
     pub(super) surfaces: Vec<Section<SurfaceSpec>>,
     /// Polygon models that are drawn beside the surfaces.
     #[schemars(rename = "model", default)]
