@@ -3,7 +3,7 @@
 use std::{ops::Range, path::Path};
 
 use zeroset::{
-    expr::{Definition, DefinitionKind, Expr, parse},
+    expr::{Definition, DefinitionKind, Expr, parse, parse_shape},
     scene,
 };
 
@@ -26,6 +26,7 @@ pub(crate) fn formula(data: &[u8]) {
         formulas.push(&line[at + 1..]);
         definitions.push(Definition { name: line[..at].trim().to_owned(), kind, ast });
     }
+    shape(formula, &definitions);
     let ast = match parse(formula) {
         Ok(ast) => ast,
         Err(mistakes) => {
@@ -44,6 +45,24 @@ pub(crate) fn formula(data: &[u8]) {
         let text = mistake.definition.map_or(formula, |index| formulas[index]);
         check_span(text, &mistake.diagnostic.span);
     }
+}
+
+/// Reads the same as a shape.
+fn shape(text: &str, definitions: &[Definition]) {
+    let mistakes = match parse_shape(text) {
+        Ok(ast) => match Expr::resolve_shape(&ast, definitions) {
+            Ok(resolved) => {
+                assert!(resolved.expr.tape().n_slots() >= 3, "room for the coordinates");
+                return;
+            }
+            Err(mistakes) => {
+                let own = mistakes.into_iter().filter(|mistake| mistake.definition.is_none());
+                own.map(|mistake| mistake.diagnostic).collect()
+            }
+        },
+        Err(mistakes) => mistakes,
+    };
+    mistakes.iter().for_each(|mistake| check_span(text, &mistake.span));
 }
 
 /// Reads a function graph.

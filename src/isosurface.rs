@@ -33,7 +33,7 @@ pub fn isosurface(volume: &Volume, isovalue: f64, tolerance: Tolerance, border: 
 
 /// Outwards, of length 1: against the gradient between the ends of an edge, or along the edge where
 /// there is none.
-fn normal(volume: &Volume, crossing: &Crossing, normals_by: DMat3) -> [f32; 3] {
+pub(crate) fn normal(volume: &Volume, crossing: &Crossing, normals_by: DMat3) -> [f32; 3] {
     let along = crossing.outwards();
     let [g, h] = crossing.ends.map(|end| gradient(volume, Vec3::from_array(end).as_dvec3()));
     let inwards = g + crossing.part * (h - g);

@@ -66,6 +66,34 @@ fn the_scene_with_names_renders_and_can_be_set() {
 }
 
 #[test]
+fn the_scene_with_shapes_renders() {
+    let scene = block("toml", "[shapes]");
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("link.toml"), scene).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_render"))
+        .current_dir(directory.path())
+        .args(["link.toml", "--resolution", "32"])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+/// The message for an unknown shape lists all of them.
+#[test]
+fn every_shape_is_in_the_table() {
+    let scene = "version = 1\n[[surface]]\nshape = \"qqqqqqqq(1)\"\n";
+    let said = String::from_utf8(render(scene).stderr).unwrap();
+    let (_, names) = said.split_once("shapes are made by ").unwrap();
+    let readme = readme();
+    let names: Vec<&str> = names.trim().split(", ").collect();
+    assert!(names.len() > 30, "{names:?}");
+    for name in names {
+        let is_named = [format!("{name}("), format!("`{name}`"), format!(" {name}")];
+        assert!(is_named.iter().any(|text| readme.contains(text)), "`{name}` is not in README");
+    }
+}
+
+#[test]
 fn the_film_renders() {
     let scene = block("toml", "[animation]");
     let directory = tempfile::tempdir().unwrap();
@@ -91,7 +119,8 @@ fn every_key_is_in_the_table() {
     let schema: Value = serde_json::from_str(&schema).unwrap();
     let readme = readme();
     for (section, schema) in schema["properties"].as_object().unwrap() {
-        assert!(readme.contains(&format!("{section}]")) || section == "version", "{section}");
+        let is_named = [format!("{section}]"), format!("`{section}`")];
+        assert!(is_named.iter().any(|text| readme.contains(text)), "{section}");
         let keys = schema["properties"].as_object().or(schema["items"]["properties"].as_object());
         for key in keys.into_iter().flatten().map(|(key, _)| key) {
             assert!(readme.contains(&format!("`{key}`")), "`{key}` of {section} is not in README");

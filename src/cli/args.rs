@@ -10,9 +10,10 @@ use std::{
 use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
 use clap_complete::Shell;
 
-use super::yields::Measurement;
+use super::{evaluate::Evaluation, yields::Measurement};
 use crate::{
-    Result, gallery,
+    evaluate, gallery,
+    hrb::Criterion,
     math::SimdLevel,
     pipeline::Options,
     scene::{self, MAX_RESOLUTION, Scene},
@@ -94,6 +95,10 @@ struct Input {
     #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
 
+    /// Let scenes include files from outside their folders
+    #[arg(long)]
+    allow_outside: bool,
+
     /// Show no progress, warnings and summary; only mistakes and failures
     #[arg(long, short, display_order = 100)]
     quiet: bool,
@@ -162,6 +167,45 @@ struct GalleryArgs {
     quiet: bool,
 }
 
+#[derive(Debug, Args)]
+struct EvaluateArgs {
+    /// Models of the thesis (esfera, tronco, silla, jarron, also with :alpha1 or :alpha2), scenes with
+    /// volumes, files of samples, or formulas of densities [default: the four models]
+    #[arg(value_name = "SUBJECT")]
+    subjects: Vec<String>,
+
+    /// Directory for the report, its tables and pictures; created if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out/evaluation")]
+    out: PathBuf,
+
+    /// Samples of models and formulas along each axis
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', default_value = "32,64,128")]
+    #[arg(value_parser = value_parser!(u32).range(8..=1024))]
+    sizes: Vec<u32>,
+
+    /// All sizes of the thesis, up to 512; takes minutes and some gigabytes
+    #[arg(long, conflicts_with = "sizes")]
+    full: bool,
+
+    /// Where surfaces are [default: 60, or what a scene says]
+    #[arg(long, value_name = "VALUE", allow_hyphen_values = true, value_parser = finite)]
+    isovalue: Option<f64>,
+
+    /// What tolerances are held against: samples among themselves, or each and their mean
+    #[arg(long, value_name = "range|deviation", default_value = "deviation")]
+    #[arg(value_parser = criterion)]
+    criterion: Criterion,
+
+    /// How often each time is taken; medians are shown
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    #[arg(value_parser = value_parser!(u32).range(1..=1000))]
+    runs: u32,
+
+    /// Show no progress and summary; only mistakes and failures
+    #[arg(long, short, display_order = 100)]
+    quiet: bool,
+}
+
 #[derive(Debug, Subcommand)]
 enum Subcommands {
     /// Find every mistake in scene files without rendering them
@@ -170,6 +214,9 @@ enum Subcommands {
     Yield(YieldArgs),
     /// List famous surfaces, render some, or make a page or a sheet of them
     Gallery(GalleryArgs),
+    /// Remake the evaluation of León Salas (2008): a report on space, time and errors of octrees of
+    /// samples
+    Evaluate(EvaluateArgs),
     /// Print the JSON Schema of scene files, with which editors complete them
     Schema,
     /// Print a script that makes a shell complete this command
@@ -181,7 +228,20 @@ enum Subcommands {
     Man,
 }
 
-fn simd_level(name: &str) -> std::result::Result<SimdLevel, String> {
+fn finite(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| "write a number such as 60 or 0.5".to_owned())
+}
+
+fn criterion(name: &str) -> Result<Criterion, String> {
+    match name {
+        "range" => Ok(Criterion::Range),
+        "deviation" => Ok(Criterion::Deviation),
+        _ => Err("it is range or deviation".to_owned()),
+    }
+}
+
+fn simd_level(name: &str) -> Result<SimdLevel, String> {
     SimdLevel::from_name(name).ok_or_else(|| {
         let available: Vec<_> = SimdLevel::available().into_iter().map(SimdLevel::name).collect();
         format!("this machine has {}", available.join(", "))
@@ -189,7 +249,7 @@ fn simd_level(name: &str) -> std::result::Result<SimdLevel, String> {
 }
 
 /// A number of bytes with one of the endings K, M, G and T, for powers of 1024, or none.
-fn bytes(text: &str) -> std::result::Result<u64, String> {
+fn bytes(text: &str) -> Result<u64, String> {
     let (number, exponent) = match text.find(|c: char| !c.is_ascii_digit()) {
         None => (text, 0),
         Some(end) => match &text[end..] {
@@ -207,7 +267,7 @@ fn bytes(text: &str) -> std::result::Result<u64, String> {
 }
 
 /// `A-B` or a single number, from 1.
-fn frames(text: &str) -> std::result::Result<RangeInclusive<u32>, String> {
+fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
     let (first, last) = text.split_once('-').unwrap_or((text, text));
     match (first.parse(), last.parse()) {
         (Ok(first), Ok(last)) if 1 <= first && first <= last => Ok(first..=last),
@@ -236,6 +296,8 @@ pub(super) enum Plan {
     List,
     /// Show the gallery, or some of it.
     Exhibit(Exhibition),
+    /// Evaluate octrees of samples.
+    Evaluate(Evaluation),
     /// Print the schema of scene files.
     Schema,
     /// Print what was made of the definition of the arguments.
@@ -258,24 +320,27 @@ pub(super) struct Exhibition {
 pub(super) struct Scenes {
     /// Files, or names of the gallery.
     pub(super) paths: Vec<PathBuf>,
-    /// What reads one of them, with settings.
-    pub(super) load: fn(&Path, &[String]) -> Result<Scene>,
+    /// What reads one of them, with settings, and files outside its folder if it may.
+    pub(super) load: fn(&Path, &[String], bool) -> crate::Result<Scene>,
     /// Each `name=value`.
     pub(super) settings: Vec<String>,
+    /// Whether files outside a scene's folder may be included.
+    pub(super) allow_outside: bool,
     pub(super) quiet: bool,
 }
 
 /// Reads the command line. The error may be a request for help; it knows its own exit code.
-pub(super) fn parse() -> std::result::Result<Plan, clap::Error> {
+pub(super) fn parse() -> Result<Plan, clap::Error> {
     CommandLine::try_parse().and_then(plan)
 }
 
-fn plan(line: CommandLine) -> std::result::Result<Plan, clap::Error> {
+fn plan(line: CommandLine) -> Result<Plan, clap::Error> {
     Ok(match line.command {
         None => render(line.render),
         Some(Subcommands::Check(input)) => Plan::Check(scenes(input)),
         Some(Subcommands::Yield(args)) => measure(args),
         Some(Subcommands::Gallery(args)) => exhibit(args),
+        Some(Subcommands::Evaluate(args)) => Plan::Evaluate(evaluation(args)),
         Some(Subcommands::Schema) => Plan::Schema,
         Some(Subcommands::Completions { shell }) => Plan::Print(completions(shell)),
         Some(Subcommands::Man) => Plan::Print(manual()?),
@@ -317,7 +382,13 @@ fn exhibit(args: GalleryArgs) -> Plan {
         return Plan::List;
     }
     let paths = names.into_iter().map(PathBuf::from).collect();
-    let scenes = Scenes { paths, load: gallery::load, settings: set, quiet };
+    let scenes = Scenes {
+        paths,
+        load: |name, settings, _| gallery::load(name, settings),
+        settings: set,
+        allow_outside: false,
+        quiet,
+    };
     Plan::Render { scenes, options, stats: StatsTarget::Nowhere }
 }
 
@@ -332,9 +403,25 @@ fn measure(args: YieldArgs) -> Plan {
     Plan::Yield(scenes(input), Measurement { threads, runs, resolution, out_dir: out })
 }
 
+fn evaluation(args: EvaluateArgs) -> Evaluation {
+    let EvaluateArgs { subjects, out, mut sizes, full, isovalue, criterion, runs, quiet } = args;
+    if full {
+        sizes = vec![32, 64, 128, 256, 512];
+    }
+    sizes.sort_unstable();
+    sizes.dedup();
+    let settings = evaluate::Settings { sizes, criterion, runs, out_dir: out };
+    Evaluation { subjects, isovalue, settings, quiet }
+}
+
 fn scenes(input: Input) -> Scenes {
-    let Input { scenes, set, quiet } = input;
-    Scenes { paths: scenes, load: scene::load_with, settings: set, quiet }
+    Scenes {
+        paths: input.scenes,
+        load: scene::load_with,
+        settings: input.set,
+        allow_outside: input.allow_outside,
+        quiet: input.quiet,
+    }
 }
 
 fn completions(shell: Shell) -> Vec<u8> {
@@ -343,7 +430,7 @@ fn completions(shell: Shell) -> Vec<u8> {
     script
 }
 
-fn manual() -> std::result::Result<Vec<u8>, clap::Error> {
+fn manual() -> Result<Vec<u8>, clap::Error> {
     let mut page = Vec::new();
     clap_mangen::Man::new(CommandLine::command()).render(&mut page)?;
     Ok(page)

@@ -1,6 +1,7 @@
 //! The command line: the only place that knows arguments, the terminal and exit codes.
 
 mod args;
+mod evaluate;
 mod exhibit;
 mod progress;
 mod render;
@@ -27,6 +28,7 @@ pub fn run() -> ExitCode {
         Plan::Render { scenes, options, stats } => render::render(scenes, options, stats),
         Plan::Check(scenes) => check(&scenes),
         Plan::Yield(scenes, measurement) => yields::measure(&scenes, &measurement),
+        Plan::Evaluate(evaluation) => evaluate::evaluate(&evaluation),
         Plan::List => print(exhibit::list().as_bytes()),
         Plan::Exhibit(exhibition) => exhibit::exhibit(&exhibition),
         Plan::Schema => print(scene::schema().as_bytes()),
@@ -37,7 +39,7 @@ pub fn run() -> ExitCode {
 /// Looks for mistakes in every scene; the worst exit code counts.
 fn check(scenes: &Scenes) -> u8 {
     let check = |path: &Path| -> Result<()> {
-        let scene = (scenes.load)(path, &scenes.settings)?;
+        let scene = (scenes.load)(path, &scenes.settings, scenes.allow_outside)?;
         pipeline::check(&scene)?;
         if !scenes.quiet {
             report::warnings(&scene);

@@ -93,6 +93,14 @@ pub(super) fn summary(path: &Path, written: &str, time: Duration) {
     say(&format!("{}: wrote {written} in {:.2} s", path.display(), time.as_secs_f64()));
 }
 
+/// Says where the report of an evaluation is, the first of its files.
+pub(super) fn evaluated(written: &[PathBuf], time: Duration) {
+    if let [first, others @ ..] = written {
+        let (n, seconds) = (others.len(), time.as_secs_f64());
+        say(&format!("wrote {} and {n} files beside it in {seconds:.2} s", first.display()));
+    }
+}
+
 /// Says that nothing is wrong with the scene at `path`, and what it asks for.
 pub(super) fn fine(path: &Path, scene: &Scene) {
     let surfaces = match scene.surfaces.len() + scene.isosurfaces.len() {

@@ -32,7 +32,7 @@ pub(super) fn measure(scenes: &Scenes, measurement: &Measurement) -> u8 {
     let watch = Watch::new(!scenes.quiet && report::is_terminal());
     let mut worst = 0;
     for path in &scenes.paths {
-        let measured = scene::load_with(path, &scenes.settings)
+        let measured = scene::load_with(path, &scenes.settings, scenes.allow_outside)
             .and_then(|scene| measure_one(&scene, measurement, &watch));
         watch.clear();
         if let Err(error) = measured {
@@ -66,6 +66,7 @@ fn measure_one(scene: &Scene, measurement: &Measurement, watch: &Watch) -> Resul
             line("t1 / (n tn)", |row| row.plain),
             line("of n runs side by side", |row| row.share),
         ],
+        ..plot::Plot::default()
     };
     let file = out_dir.join(format!("{}-yield.svg", scene.name));
     output::write_file(&file, |out| plot::write(&plot, out))

@@ -14,6 +14,27 @@ pub struct Ast {
 }
 
 impl Ast {
+    /// The bytes of the part of the formula that ends with this node; brackets around it may be
+    /// missing.
+    #[must_use]
+    pub fn extent(&self, node: NodeId) -> Range<usize> {
+        let (mut from, mut to) = (usize::MAX, 0);
+        let mut open = vec![node];
+        while let Some(node) = open.pop() {
+            let Some((node, span)) = self.nodes.get(node as usize) else { continue };
+            (from, to) = (from.min(span.start), to.max(span.end));
+            match node {
+                Node::Call(_, arguments) => open.extend(arguments),
+                Node::Named(_, a) | Node::Neg(a) | Node::Abs(a) => open.push(*a),
+                Node::Binary(_, a, b) | Node::Equation(a, b) | Node::Comparison(_, a, b) => {
+                    open.extend([a, b]);
+                }
+                Node::Number { .. } | Node::Name(_) => {}
+            }
+        }
+        from.min(to)..to
+    }
+
     /// The bytes of the whole formula; brackets around it may be missing.
     #[must_use]
     pub fn span(&self) -> Range<usize> {
@@ -37,12 +58,14 @@ pub enum Node {
     Abs(NodeId),
     /// `a op b`
     Binary(BinaryOp, NodeId, NodeId),
-    /// `name(a, b, …)`; the span of the node is the name's.
+    /// `name(a, b, …)` or `a.name(b, …)`; the span of the node is the name's.
     Call(String, Vec<NodeId>),
     /// `a = b`; only the root can be one.
     Equation(NodeId, NodeId),
     /// `a <= b` or `a >= b`; only the root can be one.
     Comparison(Comparison, NodeId, NodeId),
+    /// `name = a` as an argument of a call; the span of the node is the name's.
+    Named(String, NodeId),
 }
 
 /// A comparison, which bounds a solid; its border counts as inside whether `=` is written or not.
@@ -67,4 +90,8 @@ pub enum BinaryOp {
     Div,
     /// `^`
     Pow,
+    /// `&`, of shapes.
+    Intersection,
+    /// `|` after a value, of shapes.
+    Union,
 }

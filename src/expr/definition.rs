@@ -30,6 +30,8 @@ pub enum DefinitionKind {
     Parameter,
     /// All other definitions and the coordinates.
     Let,
+    /// The same; it stands for a shape.
+    Shape,
 }
 
 /// A mistake, or a warning, about a formula that was resolved with definitions.

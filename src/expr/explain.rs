@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use super::{
+    explain_shapes,
     functions::{self, FUNCTIONS, Function},
     names::{self, NAMES},
+    shapes,
 };
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
@@ -14,13 +16,22 @@ const MAX_WORD: usize = 24;
 /// More definitions than this are not listed.
 const MAX_LISTED: usize = 12;
 
-/// `name` stands for no value; `defined` are the names that the scene defines.
-pub(super) fn unknown_name(name: &str, span: Range<usize>, defined: &[&str]) -> Diagnostic {
+/// `name` stands for no value; `defined` are the names that the scene defines; `is_shape` where shapes
+/// are made.
+pub(super) fn unknown_name(
+    name: &str,
+    span: Range<usize>,
+    defined: &[&str],
+    is_shape: bool,
+) -> Diagnostic {
     let diagnostic = Diagnostic::new(span, format!("unknown name `{name}`"));
     if functions::exists(name) {
         return diagnostic
             .label("this is a function")
             .help(format!("write its argument in parentheses: `{name}(…)`"));
+    }
+    if let Some(function) = shapes::find(name) {
+        return explain_shapes::bare_shape(function, diagnostic.span);
     }
     let known: Vec<&str> = defined.iter().copied().chain(NAMES).collect();
     let listed = &known[defined.len().saturating_sub(MAX_LISTED)..];
@@ -28,12 +39,20 @@ pub(super) fn unknown_name(name: &str, span: Range<usize>, defined: &[&str]) -> 
     diagnostic.label("not known here").help(match (product(name, &known), meant(name, &known)) {
         (Some(product), _) => format!("write `{product}` for a product"),
         (None, Some(candidate)) => format!("did you mean `{candidate}`? {list}"),
+        (None, None) if is_shape => {
+            format!("{list}; others are defined in [params], [let] or [shapes]")
+        }
         (None, None) => format!("{list}; others are defined in [params] or [let]"),
     })
 }
 
-/// `name` is called, and is no function.
-pub(super) fn unknown_function(name: &str, span: Range<usize>, defined: &[&str]) -> Diagnostic {
+/// `name` is called, and is no function; `is_shape` where shapes are made.
+pub(super) fn unknown_function(
+    name: &str,
+    span: Range<usize>,
+    defined: &[&str],
+    is_shape: bool,
+) -> Diagnostic {
     if names::exists(name) || defined.contains(&name) {
         return Diagnostic::new(span, format!("unknown function `{name}`"))
             .label("this is a value, not a function")
@@ -46,12 +65,22 @@ pub(super) fn unknown_function(name: &str, span: Range<usize>, defined: &[&str])
     }
     let diagnostic =
         Diagnostic::new(span, format!("unknown function `{name}`")).label("not known here");
+    let shape = explain_shapes::elsewhere(name);
+    if let Some(here) = shape.as_ref().filter(|_| is_shape) {
+        return diagnostic.help(format!("write `{here}`"));
+    }
     if let Some((_, here)) = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name) {
         return diagnostic.help(format!("write `{here}`"));
     }
+    if let Some(here) = shape {
+        return diagnostic.help(format!("write `{here}`"));
+    }
     let known: Vec<&str> = FUNCTIONS.iter().map(|function| function.name).collect();
-    diagnostic.help(match meant(name, &known) {
+    let shapes = shapes::FUNCTIONS.iter().map(|function| function.name);
+    let all: Vec<&str> = known.iter().copied().chain(shapes).collect();
+    diagnostic.help(match meant(name, &all) {
         Some(candidate) => format!("did you mean `{candidate}`?"),
+        None if is_shape => explain_shapes::known_shapes(),
         None => format!("known functions are {}", known.join(", ")),
     })
 }

@@ -105,13 +105,18 @@ fn simplify_binary(op: Binary, a: Id, b: Id, node_of: impl Fn(Id) -> Node + Copy
         Binary::Add if is(a, 0.0) => Simplified::Alias(b),
         Binary::Add | Binary::Sub if is(b, 0.0) => Simplified::Alias(a),
         Binary::Sub if is(a, 0.0) => negated(b),
-        Binary::Mul if is(a, 1.0) || is(b, 0.0) => Simplified::Alias(b),
-        Binary::Mul if is(b, 1.0) || is(a, 0.0) => Simplified::Alias(a),
+        Binary::Mul if is(a, 1.0) => Simplified::Alias(b),
+        Binary::Mul if is(b, 1.0) => Simplified::Alias(a),
+        // Where a factor is undefined, so is the product.
+        Binary::Mul if is(b, 0.0) && is_total(a, node_of) => Simplified::Alias(b),
+        Binary::Mul if is(a, 0.0) && is_total(b, node_of) => Simplified::Alias(a),
         Binary::Mul if is(a, -1.0) => negated(b),
         Binary::Mul if is(b, -1.0) => negated(a),
         Binary::Mul if a == b => Simplified::Node(Node::Unary(Unary::Square, a)),
         Binary::Min | Binary::Max if a == b => Simplified::Alias(a),
-        Binary::Sub if a == b => Simplified::Node(Node::Constant(Constant::exact(0.0))),
+        Binary::Sub if a == b && is_total(a, node_of) => {
+            Simplified::Node(Node::Constant(Constant::exact(0.0)))
+        }
         _ if op.commutes() && node_of(a).constant().is_some() => {
             Simplified::Node(Node::Binary(op, b, a))
         }
@@ -121,6 +126,30 @@ fn simplify_binary(op: Binary, a: Id, b: Id, node_of: impl Fn(Id) -> Node + Copy
         }
         _ => Simplified::Node(Node::Binary(op, a, b)),
     }
+}
+
+/// Nodes that are looked at to find out whether a value is defined everywhere; trees with more of them
+/// count as if they were not.
+const MAX_LOOK: usize = 64;
+
+/// Whether a value is defined everywhere, as far as is easily seen.
+fn is_total(id: Id, node_of: impl Fn(Id) -> Node) -> bool {
+    let mut open = vec![id];
+    let mut n_left = MAX_LOOK;
+    while let Some(id) = open.pop() {
+        let Some(left) = n_left.checked_sub(1) else { return false };
+        n_left = left;
+        let node = node_of(id);
+        match node {
+            Node::Unary(
+                Unary::Recip | Unary::Sqrt | Unary::Ln | Unary::Acos | Unary::Asin | Unary::Tan,
+                _,
+            )
+            | Node::Binary(Binary::Atan2 { .. } | Binary::Harmonic { .. }, ..) => return false,
+            _ => open.extend(node.operands()),
+        }
+    }
+    true
 }
 
 /// The value of an operation on constants, if it is defined and finite.
@@ -162,11 +191,17 @@ fn evaluate<N: Number<Lanes = f64>>(node: Node, operands: &[Constant; 2]) -> (N,
 /// multiply-add that finds no remainder.
 fn exact_result(node: Node, operands: &[Constant; 2]) -> Option<f64> {
     let [a, b] = operands.map(|c| c.as_exact());
+    if let Node::Binary(Binary::Mul, ..) = node
+        && (a == Some(0.0) || b == Some(0.0))
+    {
+        return Some(0.0);
+    }
     let a = a?;
     let without_remainder = |v: f64, remainder: f64| {
         (v.is_finite() && v.abs() > 1e-200 && remainder == 0.0).then_some(v)
     };
     match node {
+        Node::Unary(Unary::Square | Unary::Sqrt, _) if a == 0.0 => Some(0.0),
         Node::Unary(Unary::Neg, _) => Some(-a),
         Node::Unary(Unary::Abs, _) => Some(a.abs()),
         Node::Unary(Unary::Square, _) => without_remainder(a * a, libm::fma(a, a, -(a * a))),
@@ -476,6 +511,15 @@ mod tests {
             let c = *g.node(id).constant().unwrap();
             assert!(c.lo < c.hi, "{c:?}");
         }
+    }
+
+    #[test]
+    fn zeros_stay_exact() {
+        let mut g = Graph::default();
+        let (zero, third) = (exact(&mut g, 0.0), exact(&mut g, 3.0));
+        let third = g.unary(Unary::Recip, third);
+        let (square, root) = (g.powi(zero, 2), g.unary(Unary::Sqrt, zero));
+        assert_eq!([square, root, g.mul(third, zero)], [zero; 3]);
     }
 
     #[test]

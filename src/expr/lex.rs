@@ -38,6 +38,8 @@ pub(super) enum Kind {
     Close,
     Comma,
     Bar,
+    /// A point before a name: what follows is done to what stands before it.
+    Dot,
     /// After the last token; its span is empty.
     End,
 }
@@ -102,6 +104,7 @@ fn too_long(span: Range<usize>) -> Diagnostic {
 fn token(rest: &str) -> Result<(Kind, usize), Diagnostic> {
     let first = rest.chars().next().unwrap_or_default();
     match first {
+        '.' if is_dot(rest) => return Ok((Kind::Dot, 1)),
         '0'..='9' | '.' => return number(rest),
         'a'..='z' | 'A'..='Z' | '_' => return word(rest),
         _ if symbols::greek(first).is_some() => return Ok((Kind::Name, first.len_utf8())),
@@ -124,8 +127,13 @@ fn token(rest: &str) -> Result<(Kind, usize), Diagnostic> {
     Err(unexpected(&rest[..len]))
 }
 
+/// Whether a point at the start of `rest` stands before a name.
+fn is_dot(rest: &str) -> bool {
+    rest[1..].trim_start().starts_with(|c: char| c == '_' || c.is_ascii_alphabetic())
+}
+
 /// The signs of ASCII, longest first.
-const SIGNS: [(Kind, &str); 15] = [
+const SIGNS: [(Kind, &str); 16] = [
     (Kind::Op(BinaryOp::Pow), "**"),
     (Kind::Comparison(Comparison::AtMost), "<="),
     (Kind::Comparison(Comparison::AtLeast), ">="),
@@ -136,6 +144,7 @@ const SIGNS: [(Kind, &str); 15] = [
     (Kind::Op(BinaryOp::Mul), "*"),
     (Kind::Op(BinaryOp::Div), "/"),
     (Kind::Op(BinaryOp::Pow), "^"),
+    (Kind::Op(BinaryOp::Intersection), "&"),
     (Kind::Equals, "="),
     (Kind::Open, "("),
     (Kind::Close, ")"),

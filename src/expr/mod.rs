@@ -5,6 +5,7 @@
 mod ast;
 mod definition;
 mod explain;
+mod explain_shapes;
 mod functions;
 mod graph;
 mod lex;
@@ -12,6 +13,8 @@ mod literal;
 mod names;
 mod parse;
 mod resolve;
+mod shapes;
+mod substitute;
 mod symbols;
 mod syntax;
 mod tape;
@@ -21,7 +24,7 @@ mod vm;
 pub use ast::{Ast, BinaryOp, Comparison, Node, NodeId};
 pub use definition::{Definition, DefinitionKind, Mistake};
 pub use graph::{Graph, Id};
-pub use parse::parse;
+pub use parse::{parse, parse_shape};
 pub use resolve::{Relation, Resolved};
 pub use tape::{Choice, Instruction, Tape};
 
@@ -54,6 +57,14 @@ impl Expr {
     /// with every formula. The list is empty only if the formula needs a definition whose tree is.
     pub fn resolve(ast: &Ast, definitions: &[Definition]) -> Result<Resolved, Vec<Mistake>> {
         resolve::resolve(ast, definitions)
+    }
+
+    /// As [`Self::resolve`], for a shape that [`parse_shape`] read: negative inside.
+    ///
+    /// # Errors
+    /// As [`Self::resolve`]; also if it is a number or an equation.
+    pub fn resolve_shape(ast: &Ast, definitions: &[Definition]) -> Result<Resolved, Vec<Mistake>> {
+        resolve::resolve_shape(ast, definitions)
     }
 
     /// Reads a function graph in the text format of libfive and Fidget (`.vm`): one operation a line,

@@ -4,13 +4,14 @@
 //! as a stack of [`Frame`]s, so that no formula, however nested, can overflow the thread's stack.
 //!
 //! The parser alternates between two states: it wants an operand, or it has one and looks at what
-//! follows. From the loosest to the tightest, the operators are `=` and comparisons; `+ -`; `* /`;
-//! unary minus and plus; `^`, which alone groups from the right; raised powers; root signs. So
-//! `-x^2` is `-(x^2)` and `2^-x^2` is `2^(-(x^2))`. A product may be written without `*`: see
-//! [`juxtapose`].
+//! follows. From the loosest to the tightest, the operators are `=` and comparisons; `|`; `&`; `+ -`;
+//! `* /`; unary minus and plus; `^`, which alone groups from the right; raised powers; root signs; the
+//! point before a call. So `-x^2` is `-(x^2)` and `2^-x^2` is `2^(-(x^2))`. A product may be written
+//! without `*`: see [`juxtapose`].
 //!
 //! A bar closes the innermost open bracket if that is a bar and a value stands before it, else it
-//! opens: `|x||y|` is a product, and `|2*|x||` needs its `*`.
+//! opens: `|x||y|` is a product, and `|2*|x||` needs its `*`. In the text of a shape a bar that could
+//! open after a value is the union instead.
 
 use std::ops::Range;
 
@@ -30,8 +31,26 @@ mod juxtapose;
 /// # Errors
 /// All characters that cannot stand in a formula, or else the first mistake of syntax.
 pub fn parse(text: &str) -> Result<Ast, Vec<Diagnostic>> {
-    let tokens = lex(text)?;
-    let mut parser = Parser { text, tokens, at: 0, nodes: Vec::new(), stack: Vec::new(), depth: 0 };
+    parse_as(text, false)
+}
+
+/// Parses a shape: a formula in which `a | b` and `a & b` are union and intersection.
+///
+/// # Errors
+/// As [`parse`].
+pub fn parse_shape(text: &str) -> Result<Ast, Vec<Diagnostic>> {
+    parse_as(text, true)
+}
+
+fn parse_as(text: &str, is_shape: bool) -> Result<Ast, Vec<Diagnostic>> {
+    let tokens = lex(text).map_err(|mistakes| match is_shape {
+        true => {
+            mistakes.into_iter().map(|mistake| syntax::without_vectors(mistake, text)).collect()
+        }
+        false => mistakes,
+    })?;
+    let (nodes, stack) = (Vec::new(), Vec::new());
+    let mut parser = Parser { text, is_shape, tokens, at: 0, nodes, stack, depth: 0 };
     match parser.formula() {
         Ok(()) => Ok(Ast { nodes: parser.nodes }),
         Err(error) => Err(vec![error]),
@@ -69,18 +88,24 @@ struct Call {
     power: Option<Range<usize>>,
     open: Range<usize>,
     args: Vec<NodeId>,
+    /// Where the call begins: at its name, or at what stands before the point.
+    start: usize,
+    /// The name before the `=` of the argument that is being read.
+    label: Option<Range<usize>>,
 }
 
 impl Frame {
     /// How tightly a waiting operator holds the operand on its right; brackets do not let go.
     fn right_power(&self) -> u8 {
         match self {
-            Self::Root(_) => 9,
-            Self::Minus(_) => 5,
+            Self::Root(_) => 13,
+            Self::Minus(_) => 9,
             Self::Infix(op, _) => match op {
-                BinaryOp::Add | BinaryOp::Sub => 2,
-                BinaryOp::Mul | BinaryOp::Div => 4,
-                BinaryOp::Pow => 7,
+                BinaryOp::Union => 2,
+                BinaryOp::Intersection => 4,
+                BinaryOp::Add | BinaryOp::Sub => 6,
+                BinaryOp::Mul | BinaryOp::Div => 8,
+                BinaryOp::Pow => 11,
             },
             _ => 0,
         }
@@ -90,14 +115,18 @@ impl Frame {
 /// How tightly an infix operator holds the operand on its left.
 fn left_power(op: BinaryOp) -> u8 {
     match op {
-        BinaryOp::Add | BinaryOp::Sub => 1,
-        BinaryOp::Mul | BinaryOp::Div => 3,
-        BinaryOp::Pow => 8,
+        BinaryOp::Union => 1,
+        BinaryOp::Intersection => 3,
+        BinaryOp::Add | BinaryOp::Sub => 5,
+        BinaryOp::Mul | BinaryOp::Div => 7,
+        BinaryOp::Pow => 12,
     }
 }
 
 struct Parser<'a> {
     text: &'a str,
+    /// Whether bars after values are unions.
+    is_shape: bool,
     tokens: Vec<Token>,
     at: usize,
     nodes: Vec<(Node, Range<usize>)>,
@@ -144,12 +173,42 @@ impl Parser<'_> {
     /// Reads a name, or a call up to its first argument.
     fn name(&mut self, name: Range<usize>) -> Result<Option<Operand>, Diagnostic> {
         let power = self.power_of_function(&name)?;
+        if self.peek() == Kind::Equals && self.takes_label() {
+            if let Some(Frame::Call(call)) = self.stack.last_mut() {
+                call.label = Some(name);
+            }
+            self.next();
+            return Ok(None);
+        }
         if self.peek() != Kind::Open {
             let text = lex::name(&self.text[name.clone()]).to_owned();
             return Ok(Some(self.push(Node::Name(text), name)));
         }
+        let start = name.start;
+        self.call(name, start, power, Vec::new())
+    }
+
+    /// Reads what stands after the point that follows `receiver`: a call of which it is the first
+    /// argument.
+    fn method(&mut self, receiver: &Operand, dot: &Range<usize>) -> Result<After, Diagnostic> {
+        let name = self.next().span; // the lexer has seen it
+        if self.peek() != Kind::Open {
+            return Err(syntax::no_method(dot.start..name.end, &self.text[name]));
+        }
+        let closed = self.call(name, receiver.span.start, None, vec![receiver.node])?;
+        Ok(closed.map_or(After::Operator, After::Operand))
+    }
+
+    /// Reads a call up to the next argument, or all of it if nothing stands in its brackets.
+    fn call(
+        &mut self,
+        name: Range<usize>,
+        start: usize,
+        power: Option<Range<usize>>,
+        args: Vec<NodeId>,
+    ) -> Result<Option<Operand>, Diagnostic> {
         let open = self.next().span;
-        let call = Call { name, power, open: open.clone(), args: Vec::new() };
+        let call = Call { name, power, open: open.clone(), args, start, label: None };
         self.open(Frame::Call(call), open)?;
         if self.peek() == Kind::Close {
             let close = self.next();
@@ -186,9 +245,14 @@ impl Parser<'_> {
     fn after(&mut self, operand: Operand) -> Result<After, Diagnostic> {
         let token = self.next();
         match token.kind {
+            Kind::Op(op @ (BinaryOp::Intersection | BinaryOp::Union)) if !self.is_shape => {
+                return Err(self.quote().sign_of_shapes(&token, op));
+            }
             Kind::Op(op) => {
-                if op == BinaryOp::Pow {
-                    self.check_power(&operand, &token)?;
+                match op {
+                    BinaryOp::Pow => self.check_power(&operand, &token)?,
+                    BinaryOp::Intersection => self.check_single(&token)?,
+                    _ => {}
                 }
                 self.infix(op, operand);
                 return Ok(After::Operator);
@@ -198,6 +262,12 @@ impl Parser<'_> {
                 return Ok(After::Operand(self.raised(operand, token.span)));
             }
             Kind::Bar if self.closes_bars() => {}
+            Kind::Bar if self.is_shape => {
+                self.check_single(&token)?;
+                self.infix(BinaryOp::Union, operand);
+                return Ok(After::Operator);
+            }
+            Kind::Dot => return self.method(&operand, &token.span),
             Kind::Number | Kind::Name | Kind::Root | Kind::Open | Kind::Bar => {
                 self.check_product(&operand, &token)?;
                 self.infix(BinaryOp::Mul, operand);
@@ -217,6 +287,16 @@ impl Parser<'_> {
             }
             _ => self.finish(&operand).map(|()| After::End),
         }
+    }
+
+    /// Refuses a sign between shapes that is written twice.
+    fn check_single(&self, sign: &Token) -> Result<(), Diagnostic> {
+        let next = &self.tokens[self.at];
+        if next.kind == sign.kind && next.span.start == sign.span.end {
+            let span = sign.span.start..next.span.end;
+            return Err(syntax::double_sign(span, &self.text[sign.span.clone()]));
+        }
+        Ok(())
     }
 
     /// Begins an operation with its left operand.

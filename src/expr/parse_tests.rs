@@ -11,6 +11,7 @@ fn show(ast: &Ast) -> String {
         let at = |id: &NodeId| shown[*id as usize].as_str();
         let text = match node {
             Node::Number { text } | Node::Name(text) => text.clone(),
+            Node::Named(name, a) => format!("{name}={}", at(a)),
             Node::Neg(a) => format!("(-{})", at(a)),
             Node::Abs(a) => format!("|{}|", at(a)),
             Node::Binary(op, a, b) => format!("({}{}{})", at(a), symbol(*op), at(b)),
@@ -33,7 +34,59 @@ fn symbol(op: BinaryOp) -> char {
         BinaryOp::Mul => '*',
         BinaryOp::Div => '/',
         BinaryOp::Pow => '^',
+        BinaryOp::Intersection => '&',
+        BinaryOp::Union => '!',
     }
+}
+
+fn shown_shape(text: &str) -> String {
+    show(&parse_shape(text).unwrap())
+}
+
+#[test]
+fn signs_of_shapes_bind_loosely() {
+    assert_eq!(shown_shape("a | b & c - d*2 | e"), "((a!(b&(c-(d*2))))!e)");
+    assert_eq!(shown_shape("(a | b) & c ∩ d ∪ e"), "((((a!b)&c)&d)!e)");
+    assert_eq!(shown_shape("a - b - c <= 0"), "((a-b)-c)<=0");
+}
+
+/// A bar after a value joins shapes, unless it closes an absolute value.
+#[test]
+fn bars_of_shapes_are_unions() {
+    assert_eq!(shown_shape("sphere(|x|) | |y| | z"), "((sphere(|x|)!|y|)!z)");
+    assert_eq!(shown_shape("|x| | |y - |z||"), "(|x|!|(y-|z|)|)");
+    assert!(parse_shape("f(2|x|)").is_err(), "a union whose right side lacks its end");
+}
+
+#[test]
+fn points_call_with_what_stands_before_them() {
+    assert_eq!(shown_shape("a.scale(2).mirror(1, 0, 0)"), "mirror(scale(a,2),1,0,0)");
+    assert_eq!(shown_shape("-(a | b).scale(.5)^2"), "(-(scale((a!b),.5)^2))");
+    assert_eq!(shown("1.5x.scale(2.)"), "(1.5*scale(x,2.))");
+    let ast = parse_shape(" a .scale( 2 )").unwrap();
+    assert_eq!(ast.extent(ast.nodes.len() as NodeId - 1), 1..12);
+}
+
+#[test]
+fn arguments_of_shapes_have_names() {
+    assert_eq!(shown_shape("union(a, b, r = 2 + 1)"), "union(a,b,r=(2+1))");
+    assert_eq!(shown("box(round = x, z = 1)"), "box(round=x,z=1)");
+    assert!(parse("max(a = 1, b)").is_err() && parse("box(1 + a = 2)").is_err());
+}
+
+#[test]
+fn mistakes_in_shapes_are_marked() {
+    for (text, span) in [
+        ("a || b", 2..4),
+        ("a && b", 2..4),
+        ("a.scale", 1..7),
+        ("a | ", 2..3),
+        ("| a", 0..1),
+        ("a.scale(1", 7..8),
+    ] {
+        assert_eq!(parse_shape(text).unwrap_err()[0].span, span, "{text}");
+    }
+    assert_eq!(parse("a & b").unwrap_err()[0].span, 2..3);
 }
 
 fn shown(text: &str) -> String {

@@ -9,14 +9,20 @@ use std::ops::Range;
 use super::{
     Ast, BinaryOp, Comparison, Definition, DefinitionKind, Expr, Mistake, Node as AstNode,
     definition::Definitions,
-    explain, functions,
+    explain, explain_shapes, functions,
     graph::{Graph, Id},
     lex,
     literal::decimal,
     names,
+    shapes::{self as making, Solid},
     values::PointValues,
 };
-use crate::{diagnostic::Diagnostic, math::Unary};
+use crate::{
+    diagnostic::Diagnostic,
+    math::{Binary, Unary},
+};
+
+mod shapes;
 
 /// After so many mistakes the rest is not worth reading.
 const MAX_MISTAKES: usize = 32;
@@ -46,6 +52,22 @@ pub enum Relation {
 
 /// Resolves `ast` with `definitions`. See [`Expr::resolve`].
 pub(super) fn resolve(ast: &Ast, definitions: &[Definition]) -> Result<Resolved, Vec<Mistake>> {
+    resolve_as(ast, definitions, false)
+}
+
+/// Resolves a shape. See [`Expr::resolve_shape`].
+pub(super) fn resolve_shape(
+    ast: &Ast,
+    definitions: &[Definition],
+) -> Result<Resolved, Vec<Mistake>> {
+    resolve_as(ast, definitions, true)
+}
+
+fn resolve_as(
+    ast: &Ast,
+    definitions: &[Definition],
+    is_shape: bool,
+) -> Result<Resolved, Vec<Mistake>> {
     let mut mistakes = Vec::new();
     let by_name = Definitions::new(definitions, &mut mistakes);
     let order = by_name.ordered(&mut mistakes);
@@ -56,17 +78,23 @@ pub(super) fn resolve(ast: &Ast, definitions: &[Definition]) -> Result<Resolved,
         definitions: by_name,
         values: PointValues::default(),
         mistakes,
+        warnings: Vec::new(),
+        is_shape,
     };
     for index in order {
         resolver.define(index);
     }
-    let root = resolver.lower(None, ast);
+    let mut root = resolver.lower(None, ast);
+    if is_shape {
+        root = resolver.as_shape(None, ast, root);
+    }
     if root.is_damaged || !resolver.mistakes.is_empty() {
         let mut mistakes = resolver.mistakes;
         mistakes.truncate(MAX_MISTAKES);
         return Err(mistakes);
     }
-    let warnings = resolver.hidden_names();
+    let mut warnings = resolver.hidden_names();
+    warnings.append(&mut resolver.warnings);
     let expr = Expr::new(resolver.graph, root.id);
     Ok(Resolved { expr, relation: relation(ast), warnings })
 }
@@ -83,6 +111,8 @@ fn relation(ast: &Ast) -> Relation {
 #[derive(Clone, Copy)]
 struct Lowered {
     id: Id,
+    /// The shape that it is, if it is one.
+    solid: Option<Solid>,
     /// Whether it was written with coordinates.
     varies: bool,
     /// Whether it stands in for something that could not be made sense of.
@@ -97,14 +127,26 @@ struct Resolver<'a> {
     is_used: Vec<bool>,
     values: PointValues,
     mistakes: Vec<Mistake>,
+    warnings: Vec<Mistake>,
+    /// Whether the formula makes a shape.
+    is_shape: bool,
 }
 
 impl Resolver<'_> {
+    /// Whether the definition `text`, or the formula, makes a shape.
+    fn makes_shape(&self, text: Option<usize>) -> bool {
+        text.map_or(self.is_shape, |index| {
+            self.definitions.list[index].kind == DefinitionKind::Shape
+        })
+    }
+
     /// Lowers a definition.
     fn define(&mut self, index: usize) {
         let Definition { kind, ast, .. } = &self.definitions.list[index];
         let mut lowered = self.lower(Some(index), ast);
-        if relation(ast) != Relation::Value {
+        if *kind == DefinitionKind::Shape {
+            lowered = self.as_shape(Some(index), ast, lowered);
+        } else if relation(ast) != Relation::Value {
             lowered.is_damaged = true;
             let diagnostic = Diagnostic::new(ast.span(), "a definition is a value")
                 .label("this is an equation or a comparison")
@@ -128,16 +170,28 @@ impl Resolver<'_> {
     /// Lowers the tree of the definition `text`, or of the formula.
     fn lower(&mut self, text: Option<usize>, ast: &Ast) -> Lowered {
         let mut parts: Vec<Lowered> = Vec::with_capacity(ast.nodes.len());
-        for (node, span) in &ast.nodes {
-            let part = self.node(text, node, span, &parts);
+        for node in 0..ast.nodes.len() {
+            let part = self.node(text, ast, node, &parts);
             parts.push(part);
         }
         parts.last().copied().unwrap_or_else(|| self.stand_in())
     }
 
+    /// All of a tree as a shape.
+    fn as_shape(&mut self, text: Option<usize>, ast: &Ast, root: Lowered) -> Lowered {
+        let diagnostic = match (relation(ast), root.as_solid()) {
+            _ if root.is_damaged => return root,
+            (Relation::Equation, _) => explain_shapes::equation_for_shape(ast.span()),
+            (_, None) => explain_shapes::no_shape(ast.span()),
+            (_, solid) => return Lowered { solid, ..root },
+        };
+        self.complain(text, diagnostic);
+        self.stand_in()
+    }
+
     /// Something in place of what has no meaning, so that further mistakes are found.
     fn stand_in(&mut self) -> Lowered {
-        Lowered { id: self.graph.variable(0), varies: false, is_damaged: true }
+        Lowered { id: self.graph.variable(0), solid: None, varies: false, is_damaged: true }
     }
 
     fn complain(&mut self, definition: Option<usize>, diagnostic: Diagnostic) {
@@ -146,30 +200,40 @@ impl Resolver<'_> {
         }
     }
 
-    fn node(
-        &mut self,
-        text: Option<usize>,
-        node: &AstNode,
-        span: &Range<usize>,
-        parts: &[Lowered],
-    ) -> Lowered {
+    fn warn(&mut self, definition: Option<usize>, diagnostic: Diagnostic) {
+        self.warnings.push(Mistake { definition, diagnostic });
+    }
+
+    fn node(&mut self, text: Option<usize>, ast: &Ast, node: usize, parts: &[Lowered]) -> Lowered {
+        if let Some(joined) = self.joined(text, ast, node, parts) {
+            return joined;
+        }
         let graph = &mut self.graph;
         let part = |child: u32| parts[child as usize];
-        let same = |id, a: Lowered| Lowered { id, ..a };
+        let same = |id, a: Lowered| Lowered { id, solid: None, ..a };
         let both = |id, a: Lowered, b: Lowered| Lowered {
             id,
+            solid: None,
             varies: a.varies || b.varies,
             is_damaged: a.is_damaged || b.is_damaged,
         };
-        match *node {
-            AstNode::Number { ref text } => {
-                Lowered { id: graph.constant(decimal(text)), varies: false, is_damaged: false }
-            }
+        let (ref kind, ref span) = ast.nodes[node];
+        match *kind {
+            AstNode::Number { ref text } => Lowered {
+                id: graph.constant(decimal(text)),
+                solid: None,
+                varies: false,
+                is_damaged: false,
+            },
             AstNode::Name(ref name) => self.name(text, name, span),
-            AstNode::Call(ref name, ref arguments) => {
-                let arguments: Vec<Lowered> = arguments.iter().map(|&a| part(a)).collect();
-                self.call(text, name, span, &arguments)
-            }
+            AstNode::Named(_, a) => part(a),
+            AstNode::Call(ref name, ref arguments) => match making::find(name) {
+                Some(function) => self.shape(text, ast, node, function, parts),
+                None => {
+                    let arguments: Vec<Lowered> = arguments.iter().map(|&a| part(a)).collect();
+                    self.call(text, name, span, &arguments)
+                }
+            },
             AstNode::Neg(a) => same(graph.unary(Unary::Neg, part(a).id), part(a)),
             AstNode::Abs(a) => same(graph.unary(Unary::Abs, part(a).id), part(a)),
             AstNode::Binary(op, a, b) => {
@@ -195,6 +259,7 @@ impl Resolver<'_> {
             }
             None => names::lower(name, &mut self.graph).map(|id| Lowered {
                 id,
+                solid: None,
                 varies: names::is_coordinate(name),
                 is_damaged: false,
             }),
@@ -203,7 +268,8 @@ impl Resolver<'_> {
             // A definition that is not lowered yet is in a cycle, which was complained about.
             if self.definitions.find(name).is_none() && self.mistakes.len() < MAX_MISTAKES {
                 let defined = self.definitions.names();
-                self.complain(text, explain::unknown_name(name, span.clone(), &defined));
+                let is_shape = self.makes_shape(text);
+                self.complain(text, explain::unknown_name(name, span.clone(), &defined, is_shape));
             }
             return self.stand_in();
         };
@@ -230,6 +296,7 @@ impl Resolver<'_> {
         if let Some(id) = function.and_then(|function| function.lower(&mut self.graph, &ids)) {
             return Lowered {
                 id,
+                solid: None,
                 varies: arguments.iter().any(|argument| argument.varies),
                 is_damaged: arguments.iter().any(|argument| argument.is_damaged),
             };
@@ -237,7 +304,10 @@ impl Resolver<'_> {
         if self.mistakes.len() < MAX_MISTAKES {
             let span = span.clone();
             let diagnostic = match function {
-                None => explain::unknown_function(name, span, &self.definitions.names()),
+                None => {
+                    let defined = self.definitions.names();
+                    explain::unknown_function(name, span, &defined, self.makes_shape(text))
+                }
                 Some(function) => explain::wrong_count(function, span, arguments.len()),
             };
             self.complain(text, diagnostic);
@@ -266,6 +336,8 @@ fn binary(op: BinaryOp, a: Id, b: Id, graph: &mut Graph) -> Id {
         BinaryOp::Mul => graph.mul(a, b),
         BinaryOp::Div => graph.div(a, b),
         BinaryOp::Pow => graph.pow(a, b),
+        BinaryOp::Intersection => graph.binary(Binary::Max, a, b),
+        BinaryOp::Union => graph.binary(Binary::Min, a, b),
     }
 }
 

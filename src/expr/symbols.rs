@@ -16,6 +16,8 @@ pub(super) fn sign(c: char) -> Option<Kind> {
         '≥' | '⩾' => Kind::Comparison(Comparison::AtLeast),
         '√' | '∛' => Kind::Root,
         '∣' => Kind::Bar,
+        '∩' => Kind::Op(BinaryOp::Intersection),
+        '∪' => Kind::Op(BinaryOp::Union),
         _ => return None,
     })
 }
@@ -62,7 +64,7 @@ pub(super) fn superscript(c: char) -> Option<char> {
 }
 
 /// What people write elsewhere, longest first, and what to write here.
-pub(super) const FOREIGN: [(&str, &str); 27] = [
+pub(super) const FOREIGN: [(&str, &str); 24] = [
     ("==", "write `=` once; it makes an equation"),
     ("!=", NO_INEQUALITY),
     ("≠", NO_INEQUALITY),
@@ -79,8 +81,6 @@ pub(super) const FOREIGN: [(&str, &str); 27] = [
     ("±", "write one formula with `+` and one with `-`, as two surfaces"),
     ("∓", "write one formula with `+` and one with `-`, as two surfaces"),
     ("∞", "write a large number"),
-    ("∪", "write `min(a, b)`: a union is negative where either is"),
-    ("∩", "write `max(a, b)`: an intersection is negative where both are"),
     ("ⁿ", "write `^n`"),
     (";", "separate arguments with `,`"),
     ("\\", "write plain functions, such as `sqrt(x)`, not LaTeX"),
@@ -88,7 +88,6 @@ pub(super) const FOREIGN: [(&str, &str); 27] = [
     ("%", "write `mod(a, b)` for a remainder, `/100` for a percentage"),
     ("!", "there is no factorial; write the product out"),
     (":", "a formula has no `:`; write a quotient with `/`"),
-    ("&", "write `max(a, b)`: an intersection is negative where both are"),
     ("\u{200b}", "an invisible character stands here: delete it"),
 ];
 

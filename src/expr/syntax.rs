@@ -3,7 +3,10 @@
 
 use std::ops::Range;
 
-use super::lex::{Kind, Token};
+use super::{
+    BinaryOp,
+    lex::{Kind, Token},
+};
 use crate::diagnostic::Diagnostic;
 
 /// A formula and its tokens, to quote from.
@@ -67,6 +70,20 @@ impl Quote<'_> {
         .help(help)
     }
 
+    /// `&` or `∪` in a formula.
+    pub(super) fn sign_of_shapes(&self, sign: &Token, op: BinaryOp) -> Diagnostic {
+        let help = match op {
+            BinaryOp::Intersection => {
+                "write `max(a, b)`: an intersection is negative where both are; `shape = \"…\"` takes `&`"
+            }
+            _ => {
+                "write `min(a, b)`: a union is negative where either is; `shape = \"…\"` takes `|`"
+            }
+        };
+        let message = format!("`{}` cannot stand in a formula", self.of(sign));
+        Diagnostic::new(sign.span.clone(), message).label("unexpected here").help(help)
+    }
+
     /// An equation or a comparison as a part of something.
     pub(super) fn relation_in_brackets(&self, sign: Range<usize>) -> Diagnostic {
         let text = &self.text[sign.clone()];
@@ -84,6 +101,28 @@ impl Quote<'_> {
             } else {
                 help
             })
+    }
+}
+
+/// A name after a point that is not called.
+pub(super) fn no_method(span: Range<usize>, name: &str) -> Diagnostic {
+    Diagnostic::new(span, format!("`.{name}` lacks its parentheses"))
+        .label("what is done to the shape before it?")
+        .help(format!("write `.{name}(…)`, as in sphere(1).translate(0, 0, 2)"))
+}
+
+/// `a || b` and `a && b`
+pub(super) fn double_sign(span: Range<usize>, sign: &str) -> Diagnostic {
+    Diagnostic::new(span, format!("`{sign}{sign}` stands between shapes"))
+        .label("one too many")
+        .help(format!("write `{sign}` once"))
+}
+
+/// A foreign sign in a shape, with what to write for the brackets of a vector.
+pub(super) fn without_vectors(mistake: Diagnostic, text: &str) -> Diagnostic {
+    match text.get(mistake.span.clone()) {
+        Some("[" | "]") => mistake.help("write the numbers alone, as in a.translate(1, 0, 0)"),
+        _ => mistake,
     }
 }
 

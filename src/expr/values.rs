@@ -1,7 +1,7 @@
-//! The values of the parts of a graph that need no coordinates.
+//! Values of a graph at hand: of its parts that need no coordinates, and bounds over a box.
 
-use super::graph::{Graph, Id, Node};
-use crate::math::{Constant, Notes, Number, Point};
+use super::graph::{Graph, Id, Node, prune};
+use crate::math::{Constant, Interval, Notes, Number, Point};
 
 /// Point values of the nodes of a growing graph, each computed once. Coordinates are NaN.
 #[derive(Default)]
@@ -37,4 +37,31 @@ impl PointValues {
         }
         slots[0][0].0
     }
+}
+
+/// A lower bound of the node `root` in the box of these bounds of x, y and z; −∞ where it may be
+/// undefined.
+pub(super) fn over_box(graph: &Graph, root: Id, place: [(f64, f64); 3]) -> f64 {
+    let mut values: Vec<Interval<f64>> = Vec::new();
+    let mut notes = [Notes::clear::<f64>(())];
+    // Other parts of the graph may be undefined there.
+    let (nodes, roots) = prune(graph.nodes(), &[root]);
+    for node in &nodes {
+        let zero = Interval { lo: 0.0, hi: 0.0 };
+        let mut slots = [[zero]; 2];
+        for (slot, operand) in slots.iter_mut().zip(node.operands()) {
+            *slot = [values[operand as usize]];
+        }
+        match *node {
+            Node::Variable(axis) => {
+                let (lo, hi) = place[usize::from(axis)];
+                slots[0] = [Interval { lo, hi }];
+            }
+            Node::Constant(c) => slots[0] = [Interval::constant((), &c)],
+            Node::Unary(op, _) => op.apply(&mut slots, &mut notes, (0, 0)),
+            Node::Binary(op, ..) => op.apply(&mut slots, &mut notes, (0, 1, 0)),
+        }
+        values.push(slots[0][0]);
+    }
+    if notes[0].partial { f64::NEG_INFINITY } else { values[roots[0] as usize].lo }
 }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashSet;
 
 use super::{
-    HrbOctree, Value,
+    HrbOctree, Samples, Value,
     octree::{BRICK_LEVEL, Tree, child},
 };
 use crate::mesh::{Border, Brick, Grid, SIDE, VOXELS, offset};
@@ -14,8 +14,10 @@ const INSIDE: u8 = 1;
 const OUTSIDE: u8 = 2;
 const BOTH: u8 = INSIDE | OUTSIDE;
 
-/// On which sides the samples of bricks are, with a layer of bricks around the volume.
+/// On which sides the samples of bricks in a box are; around the volume is a layer of bricks.
 struct Sides {
+    /// The place of the first brick.
+    first: [u32; 3],
     /// Bricks along each axis, x fastest.
     n: [usize; 3],
     sides: Vec<u8>,
@@ -25,7 +27,19 @@ impl<V: Value> HrbOctree<V> {
     /// Everything that a mesh of the isosurface needs: what is `isovalue` or above is inside.
     #[must_use]
     pub fn grid(&self, isovalue: f64, border: Border) -> Grid {
-        let sides = self.sides(isovalue, border);
+        let end = self.size.map(|n| n.div_ceil(SIDE) + 2);
+        self.grid_within(isovalue, border, [0; 3], end)
+    }
+
+    /// The same for the bricks of a box, without those at its border.
+    pub(crate) fn grid_within(
+        &self,
+        isovalue: f64,
+        border: Border,
+        first: [u32; 3],
+        end: [u32; 3],
+    ) -> Grid {
+        let sides = self.sides(isovalue, border, first, end);
         let brick = |&slot: &usize| self.brick(sides.place(slot), isovalue, border);
         let (mixed, others): (Vec<usize>, Vec<usize>) =
             sides.near().into_iter().partition(|&slot| sides.sides[slot] == BOTH);
@@ -48,23 +62,37 @@ impl<V: Value> HrbOctree<V> {
                 }
             });
         }
+        let last = self.size.map(|n| n.div_ceil(SIDE) + 1);
+        bases.retain(|place| (0..3).all(|axis| place[axis] <= last[axis]));
         bricks.par_extend(bases.into_par_iter().map(|place| self.brick(place, isovalue, border)));
         Grid::new(bricks, self.size, border)
     }
 
-    /// On which sides the samples of every brick are.
-    fn sides(&self, isovalue: f64, border: Border) -> Sides {
-        let n = self.size.map(|n| n.div_ceil(SIDE) as usize + 2);
+    /// On which sides the samples of every brick from `first` to before `end` are.
+    fn sides(&self, isovalue: f64, border: Border, first: [u32; 3], end: [u32; 3]) -> Sides {
+        let of_volume = self.size.map(|n| n.div_ceil(SIDE) + 2);
+        let end = [0, 1, 2].map(|axis| end[axis].min(of_volume[axis]));
+        let n = [0, 1, 2].map(|axis| (end[axis] - first[axis]) as usize);
         let beyond = if border == Border::Capped { OUTSIDE } else { 0 };
-        let mut all = Sides { n, sides: vec![beyond; n.iter().product()] };
-        self.mark(&self.root, [0; 3], self.depth, isovalue, &mut |base, level, side| {
-            let first = base.map(|i| (i / SIDE) as usize + 1);
-            let count = ((1_usize << level) / SIDE as usize).max(1);
-            let end = |axis: usize| (first[axis] + count).min(n[axis] - 1);
-            for z in first[2]..end(2) {
-                for y in first[1]..end(1) {
+        let mut all = Sides { first, n, sides: vec![beyond; n.iter().product()] };
+        let reach = Samples {
+            first: first.map(|i| i.saturating_sub(1) * SIDE),
+            end: end.map(|i| i.saturating_sub(1) * SIDE),
+        };
+        self.mark(&self.root, [0; 3], self.depth, isovalue, &reach, &mut |base, level, side| {
+            let own = base.map(|i| i / SIDE + 1);
+            let count = ((1 << level) / SIDE).max(1);
+            // Without the layers around the volume.
+            let [xs, ys, zs] = [0, 1, 2].map(|axis| {
+                let last = end[axis].min(of_volume[axis] - 1);
+                let from = own[axis].max(first[axis]) - first[axis];
+                let to = (own[axis] + count).min(last).saturating_sub(first[axis]);
+                from as usize..to.max(from) as usize
+            });
+            for z in zs {
+                for y in ys.clone() {
                     let row = n[0] * (y + n[1] * z);
-                    all.sides[row + first[0].min(end(0))..row + end(0)].fill(side);
+                    all.sides[row + xs.start..row + xs.end].fill(side);
                 }
             }
         });
@@ -72,7 +100,7 @@ impl<V: Value> HrbOctree<V> {
             // A brick that the border cuts has phantoms of its own.
             for axis in (0..3).filter(|&axis| !self.size[axis].is_multiple_of(SIDE)) {
                 for slot in 0..all.sides.len() {
-                    if all.place(slot)[axis] as usize == n[axis] - 2 {
+                    if all.place(slot)[axis] == of_volume[axis] - 2 {
                         all.sides[slot] |= OUTSIDE;
                     }
                 }
@@ -88,9 +116,10 @@ impl<V: Value> HrbOctree<V> {
         base: [u32; 3],
         level: u8,
         isovalue: f64,
+        reach: &Samples,
         tell: &mut dyn FnMut([u32; 3], u8, u8),
     ) {
-        if !self.holds(base) {
+        if !self.holds(base) || !reach.meets(base, level) {
             return;
         }
         let side = |[least, most]: [V; 2]| {
@@ -109,7 +138,8 @@ impl<V: Value> HrbOctree<V> {
             Tree::Node(node) => match side(node.range) {
                 BOTH => {
                     for (c, tree) in node.children.iter().enumerate() {
-                        self.mark(tree, child(base, level, c), level - 1, isovalue, tell);
+                        let base = child(base, level, c);
+                        self.mark(tree, base, level - 1, isovalue, reach, tell);
                     }
                 }
                 own => tell(base, level, own),
@@ -118,21 +148,34 @@ impl<V: Value> HrbOctree<V> {
     }
 
     /// Tells of the brick that holds the first sample of the region of a brick that is all of one
-    /// region, and of those before and behind it, where its dual edges end.
+    /// region, and of those before and behind it, where its dual edges end. What lies beyond the
+    /// volume is like the region beside it, but thin.
     fn bases(&self, place: [u32; 3], mut tell: impl FnMut([u32; 3])) {
-        let Some(first) = self.first_sample(place) else { return };
+        let clamped = |axis: usize| place[axis].clamp(1, self.size[axis].div_ceil(SIDE)) - 1;
+        let first = [0, 1, 2].map(|axis| clamped(axis) * SIDE);
         let (Tree::Region { .. }, level) = self.brick_at(first) else { return };
         if 1 << level <= SIDE {
             return;
         }
         let base = first.map(|i| (i >> level << level) / SIDE + 1);
-        tell(base);
         let bricks = (1 << level) / SIDE;
-        for axis in 0..3 {
-            for beside in [base[axis] - 1, base[axis] + bricks] {
-                let mut place = base;
-                place[axis] = beside;
-                tell(place);
+        for beyond in 0..8 {
+            let is_beyond = |axis: usize| beyond >> axis & 1 == 1;
+            let has_phantoms =
+                |axis: usize| place[axis] == 0 || place[axis] * SIDE > self.size[axis];
+            if !(0..3).all(|axis| has_phantoms(axis) || !is_beyond(axis)) {
+                continue;
+            }
+            let own = [0, 1, 2].map(|axis| if is_beyond(axis) { place[axis] } else { base[axis] });
+            tell(own);
+            for axis in 0..3 {
+                let n = if is_beyond(axis) { 1 } else { bricks };
+                for beside in [own[axis].checked_sub(1), Some(own[axis] + n)].into_iter().flatten()
+                {
+                    let mut place = own;
+                    place[axis] = beside;
+                    tell(place);
+                }
             }
         }
     }
@@ -150,7 +193,7 @@ impl<V: Value> HrbOctree<V> {
     }
 
     /// The values and levels of a brick.
-    fn brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> Brick {
+    pub(super) fn brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> Brick {
         let Some(first) = self.whole_brick(place) else {
             return self.border_brick(place, isovalue, border);
         };
@@ -223,7 +266,8 @@ impl Sides {
     /// Where a brick is.
     fn place(&self, slot: usize) -> [u32; 3] {
         let [nx, ny, _] = self.n;
-        [slot % nx, slot / nx % ny, slot / nx / ny].map(|i| i as u32)
+        let step = [slot % nx, slot / nx % ny, slot / nx / ny];
+        [0, 1, 2].map(|axis| self.first[axis] + step[axis] as u32)
     }
 
     /// The bricks that have, with the 26 around, samples on both sides.
@@ -249,7 +293,9 @@ impl Sides {
         let place = self.place(slot);
         (0..27).any(|k| {
             let step = [k % 3, k / 3 % 3, k / 9];
-            let at = [0, 1, 2].map(|axis| (place[axis] as usize + step[axis]).wrapping_sub(1));
+            let at = [0, 1, 2].map(|axis| {
+                ((place[axis] - self.first[axis]) as usize + step[axis]).wrapping_sub(1)
+            });
             if (0..3).any(|axis| at[axis] >= self.n[axis]) {
                 return false;
             }

@@ -16,7 +16,8 @@ use crate::mesh::{SIDE, VOXELS};
 /// When samples are alike.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tolerance {
-    /// How much they may differ; 0 keeps every sample exactly.
+    /// How much they may differ; 0 keeps every sample exactly, and below 0 not even equal ones are
+    /// alike.
     pub epsilon: f64,
     /// What is compared.
     pub criterion: Criterion,
@@ -39,7 +40,7 @@ const PARTS: usize = 64;
 
 /// What is known of the samples in a node.
 #[derive(Clone, Copy)]
-struct Summary<T: Sample> {
+pub(super) struct Summary<T: Sample> {
     least: T,
     most: T,
     /// Counted only where a tolerance asks for means.
@@ -58,7 +59,7 @@ pub(super) struct Builder<'a, T> {
 }
 
 /// What became of a node, and what is known of its samples, if it has any.
-type Built<T> = (Tree<<T as Sample>::Value>, Option<Summary<T>>);
+pub(super) type Built<T> = (Tree<<T as Sample>::Value>, Option<Summary<T>>);
 
 impl<V: Value> HrbOctree<V> {
     /// The regions of a volume of `size` samples, x fastest.
@@ -113,14 +114,14 @@ impl<T: Sample> Builder<'_, T> {
     }
 
     /// Builds a node of 8³ samples.
-    fn brick(&self, base: [u32; 3]) -> Built<T> {
+    pub(super) fn brick(&self, base: [u32; 3]) -> Built<T> {
         let left = [0, 1, 2].map(|axis| (self.size[axis] - base[axis]).min(SIDE) as usize);
         let row = |y: usize, z: usize| {
             let start = self.index([base[0], base[1] + y as u32, base[2] + z as u32]);
             &self.samples[start..start + left[0]]
         };
         let first = row(0, 0)[0];
-        if left == [SIDE as usize; 3] {
+        if left == [SIDE as usize; 3] && self.tolerance.epsilon >= 0.0 {
             let is_first =
                 |row: &[T]| row.iter().fold(true, |all, &sample| all & (sample == first));
             if (0..64).all(|i| is_first(row(i % 8, i / 8))) {
@@ -221,7 +222,7 @@ impl<T: Sample> Builder<'_, T> {
         // What is no number is like nothing.
         let (low, high) = (summary.least.to_f64(), summary.most.to_f64());
         let is_alike = match criterion {
-            _ if summary.least == summary.most => true,
+            _ if summary.least == summary.most => epsilon >= 0.0,
             Criterion::Range => high - low <= epsilon,
             Criterion::Deviation => {
                 let mean = T::mean(summary.sum, summary.n).to_f64();

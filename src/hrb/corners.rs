@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::{
     HrbOctree, Value,
     brick::Brick,
+    edit::Samples,
     octree::{BRICK_LEVEL, Tree, child},
 };
 use crate::mesh::SIDE;
@@ -33,10 +34,15 @@ struct Part<'a, V> {
 impl<V: Value> HrbOctree<V> {
     /// Finds for every region the corners that it answers for.
     pub fn assign_corners(&mut self) {
+        self.assign_corners_within(&Samples { first: [0; 3], end: [1 << self.depth; 3] });
+    }
+
+    /// The same for all regions that reach into a box.
+    pub(super) fn assign_corners_within(&mut self, samples: &Samples) {
         let mut parts = Vec::new();
-        collect(&self.root, [0; 3], self.depth, &mut parts);
+        collect(&self.root, [0; 3], self.depth, samples, &mut parts);
         let found: Vec<Box<[u8]>> = parts.par_iter().map(|part| self.corners_of(part)).collect();
-        assign(&mut self.root, &mut found.into_iter());
+        assign(&mut self.root, [0; 3], self.depth, samples, &mut found.into_iter());
     }
 
     /// The bits of a part, one byte for each of its regions.
@@ -124,22 +130,44 @@ fn corners(level: u8, at: impl Fn(usize, usize) -> u8) -> u8 {
     (0..8).fold(0, |bits, c| bits | u8::from(answers(c)) << c)
 }
 
-fn collect<'a, V>(tree: &'a Tree<V>, base: [u32; 3], level: u8, parts: &mut Vec<Part<'a, V>>) {
+fn collect<'a, V>(
+    tree: &'a Tree<V>,
+    base: [u32; 3],
+    level: u8,
+    within: &Samples,
+    parts: &mut Vec<Part<'a, V>>,
+) {
+    if !within.meets(base, level) {
+        return;
+    }
     match tree {
         Tree::Region { .. } => parts.push(Part { base, level, brick: None }),
         Tree::Brick(brick) => parts.push(Part { base, level: BRICK_LEVEL, brick: Some(brick) }),
         Tree::Node(node) => {
             for (c, tree) in node.children.iter().enumerate() {
-                collect(tree, child(base, level, c), level - 1, parts);
+                collect(tree, child(base, level, c), level - 1, within, parts);
             }
         }
     }
 }
 
 /// Puts the bits of all parts where they belong, in the order of [`collect`].
-fn assign<V>(tree: &mut Tree<V>, found: &mut impl Iterator<Item = Box<[u8]>>) {
+fn assign<V>(
+    tree: &mut Tree<V>,
+    base: [u32; 3],
+    level: u8,
+    within: &Samples,
+    found: &mut impl Iterator<Item = Box<[u8]>>,
+) {
+    if !within.meets(base, level) {
+        return;
+    }
     match tree {
-        Tree::Node(node) => node.children.iter_mut().for_each(|child| assign(child, found)),
+        Tree::Node(node) => {
+            for (c, tree) in node.children.iter_mut().enumerate() {
+                assign(tree, child(base, level, c), level - 1, within, found);
+            }
+        }
         Tree::Brick(brick) => brick.corners = found.next().unwrap_or_default(),
         Tree::Region { corners, .. } => {
             *corners = found.next().and_then(|bits| bits.first().copied()).unwrap_or(0);

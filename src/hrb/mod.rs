@@ -6,12 +6,15 @@ mod brick;
 mod bricks;
 mod build;
 mod corners;
+mod edit;
 mod evaluate;
 mod octree;
 mod sample;
 #[cfg(test)]
 mod tests;
+mod whole;
 
 pub use build::{Criterion, Tolerance};
+pub use edit::Samples;
 pub use octree::{HrbOctree, Region, Storage};
 pub use sample::{Fixed8, Sample, Value};

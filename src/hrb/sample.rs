@@ -44,34 +44,70 @@ pub trait Sample: Copy + PartialOrd + Send + Sync {
     }
 }
 
-/// What a region keeps.
-pub trait Value: Copy + Default + PartialEq + Send + Sync + std::fmt::Debug {
-    /// As a number.
-    fn to_f64(self) -> f64;
+/// What a region keeps: a sample by itself, too, so that what is kept can be changed.
+pub trait Value: Sample<Value = Self> + Default + std::fmt::Debug {
+    /// The nearest; halves up.
+    fn from_f64(value: f64) -> Self;
 }
 
 /// Eight bits before the point and eight behind: the two bytes of the thesis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Eq)]
 pub struct Fixed8(u16);
 
 impl Value for Fixed8 {
+    /// To whole numbers from 0 to 255, as samples are.
     #[inline]
-    fn to_f64(self) -> f64 {
-        f64::from(self.0) / 256.0
+    fn from_f64(value: f64) -> Self {
+        Self((value + 0.5).floor().clamp(0.0, 255.0) as u16 * 256)
     }
 }
 
 impl Value for f32 {
     #[inline]
-    fn to_f64(self) -> f64 {
-        self.into()
+    fn from_f64(value: f64) -> Self {
+        value as Self
     }
 }
 
 impl Value for f64 {
     #[inline]
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+}
+
+impl Sample for Fixed8 {
+    type Value = Self;
+    type Sum = i64;
+
+    #[inline]
     fn to_f64(self) -> f64 {
+        f64::from(self.0) / 256.0
+    }
+
+    #[inline]
+    fn value(self) -> Self {
         self
+    }
+
+    #[inline]
+    fn sum(self) -> i64 {
+        self.0.into()
+    }
+
+    #[inline]
+    fn times(self, n: u64) -> i64 {
+        i64::from(self.0) * n as i64
+    }
+
+    #[inline]
+    fn add(a: i64, b: i64) -> i64 {
+        a + b
+    }
+
+    fn mean(sum: i64, n: u64) -> Self {
+        let n = n as i64;
+        Self(((2 * sum + n) / (2 * n)) as u16)
     }
 }
 
@@ -156,41 +192,49 @@ integer!(i16, f32);
 integer!(u32, f64);
 integer!(i32, f64);
 
-impl Sample for f32 {
-    type Value = f32;
-    type Sum = f64;
+/// Floats, with sums in a fixed order.
+macro_rules! float {
+    ($type:ty) => {
+        impl Sample for $type {
+            type Value = $type;
+            type Sum = f64;
 
-    #[inline]
-    fn is_undefined(self) -> bool {
-        self.is_nan()
-    }
+            #[inline]
+            fn is_undefined(self) -> bool {
+                self.is_nan()
+            }
 
-    #[inline]
-    fn to_f64(self) -> f64 {
-        self.into()
-    }
+            #[inline]
+            fn to_f64(self) -> f64 {
+                self.into()
+            }
 
-    #[inline]
-    fn value(self) -> f32 {
-        self
-    }
+            #[inline]
+            fn value(self) -> $type {
+                self
+            }
 
-    #[inline]
-    fn sum(self) -> f64 {
-        self.into()
-    }
+            #[inline]
+            fn sum(self) -> f64 {
+                self.into()
+            }
 
-    #[inline]
-    fn times(self, n: u64) -> f64 {
-        f64::from(self) * n as f64
-    }
+            #[inline]
+            fn times(self, n: u64) -> f64 {
+                f64::from(self) * n as f64
+            }
 
-    #[inline]
-    fn add(a: f64, b: f64) -> f64 {
-        a + b
-    }
+            #[inline]
+            fn add(a: f64, b: f64) -> f64 {
+                a + b
+            }
 
-    fn mean(sum: f64, n: u64) -> f32 {
-        (sum / n as f64) as f32
-    }
+            fn mean(sum: f64, n: u64) -> $type {
+                (sum / n as f64) as $type
+            }
+        }
+    };
 }
+
+float!(f32);
+float!(f64);

@@ -187,6 +187,9 @@ fn large_regions_meet_in_a_closed_mesh() {
         let samples: Vec<u8> =
             (0..n.pow(3)).map(|i| if i / n / n < n / 2 { 200 } else { 0 }).collect();
         let octree = build(&samples, [n; 3], 0.0);
+        let open = extract(&octree.grid(100.0, Border::Open), |crossing| crossing.point());
+        assert!(open.vertices.iter().all(|p| p[2] == f64::from(n / 2)), "{n}");
+        assert!(!open.triangles.is_empty());
         let grid = octree.grid(100.0, Border::Capped);
         let Extraction { vertices, triangles } = extract(&grid, |crossing| crossing.point());
         let mut uses = std::collections::HashMap::new();

@@ -239,6 +239,10 @@ impl<N: Number> Number for Dual<N> {
         self.chain(self.value.smoothstep(), slope.add_constant(&Constant::exact(1.5)))
     }
     #[inline(always)]
+    fn triangle(self) -> Self {
+        self.chain(self.value.triangle(), self.value.triangle_slope())
+    }
+    #[inline(always)]
     fn atan2(self, x: Self, lifted: bool, notes: &mut NotesOf<Self>) -> Self {
         let value = self.value.atan2(x.value, lifted, notes);
         Self { value, gradient: self.angle_gradient(x) }
@@ -264,6 +268,12 @@ impl<N: Number> Number for Dual<N> {
     #[inline(always)]
     fn abs_slope(self) -> Self {
         let slope = self.value.abs_slope();
+        let zero = N::constant(self.token(), &Constant::exact(0.0));
+        Self { value: slope, gradient: [zero; 3] }
+    }
+    #[inline(always)]
+    fn triangle_slope(self) -> Self {
+        let slope = self.value.triangle_slope();
         let zero = N::constant(self.token(), &Constant::exact(0.0));
         Self { value: slope, gradient: [zero; 3] }
     }

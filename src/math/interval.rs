@@ -20,7 +20,7 @@ use super::{
     },
     lanes::{Lanes, Scalar},
     number::{Constant, Hyperbolic, MaskOf, Notes, NotesOf, Number, Step, Token, Wave},
-    point::{smooth_step, step_function},
+    point::{smooth_step, step_function, triangle_wave},
 };
 
 /// All reals between two bounds, in every lane.
@@ -453,6 +453,19 @@ impl<L: Lanes> Number for Interval<L> {
         }
     }
 
+    /// The values at the bounds, and 0 and 1/2 where a whole or a half number lies between. Where a
+    /// half is lost from a bound, far out, it is so to the safe side.
+    #[inline(always)]
+    fn triangle(self) -> Self {
+        let (half, limit) = (self.lo.same(0.5), self.lo.same(L::Scalar::MAX));
+        let (from, to) = (self.lo.max(-limit), self.hi.min(limit));
+        let (a, b) = (triangle_wave(from), triangle_wave(to));
+        Self {
+            lo: L::pick(holds_phase(from, to, 0.0), self.zero(), a.min(b)),
+            hi: L::pick(holds_phase(from, to, 0.5), half, a.max(b)),
+        }
+    }
+
     #[inline(always)]
     fn atan2(self, x: Self, lifted: bool, notes: &mut NotesOf<Self>) -> Self {
         angle::atan2(self, x, lifted, notes)
@@ -477,6 +490,16 @@ impl<L: Lanes> Number for Interval<L> {
     fn abs_slope(self) -> Self {
         let (one, zero) = (self.lo.same(1.0), self.zero());
         Self { lo: L::pick(self.lo.lt(zero), -one, one), hi: L::pick(self.hi.lt(zero), -one, one) }
+    }
+
+    /// 1 from a whole number to the next half, −1 from there on.
+    #[inline(always)]
+    fn triangle_slope(self) -> Self {
+        let one = self.lo.same(1.0);
+        let bends = holds_phase(self.lo, self.hi, 0.0) | holds_phase(self.lo, self.hi, 0.5);
+        let rises = (self.lo - self.lo.floor()).lt(self.lo.same(0.5));
+        let slope = L::pick(rises, one, -one);
+        Self { lo: L::pick(bends, -one, slope), hi: L::pick(bends, one, slope) }
     }
 
     #[inline(always)]

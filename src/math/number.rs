@@ -183,6 +183,9 @@ pub trait Number: Copy + 'static {
     /// t²(3 − 2t) with t = a cut to [0, 1]: rises smoothly from 0 to 1.
     #[must_use]
     fn smoothstep(self) -> Self;
+    /// The distance to the nearest integer, a wave of straight lines from 0 to 1/2.
+    #[must_use]
+    fn triangle(self) -> Self;
     /// The angle of (x, y) in [−π, π], y being `self`. Where `lifted`, the angle may leave that
     /// range by whole turns so that it is continuous across the cut: such a value may only reach
     /// functions of period 2π.
@@ -201,6 +204,9 @@ pub trait Number: Copy + 'static {
     /// The derivative of |a|: −1, 1, or everything between where the sign is not decided.
     #[must_use]
     fn abs_slope(self) -> Self;
+    /// The derivative of the distance to the nearest integer, likewise.
+    #[must_use]
+    fn triangle_slope(self) -> Self;
     /// `p` where a lies below b, `q` where above, the hull of both where neither is decided.
     #[must_use]
     fn choose(a: Self, b: Self, p: Self, q: Self) -> Self;

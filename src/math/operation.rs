@@ -43,6 +43,8 @@ pub enum Unary {
     Step(Step),
     /// t²(3 − 2t), t = a cut to [0, 1]
     Smoothstep,
+    /// The distance to the nearest integer.
+    Triangle,
 }
 
 /// An operation on two operands.
@@ -133,6 +135,7 @@ impl Unary {
             Self::Cbrt => each!(slots, notes, (at => out), |a, _| a.cbrt()),
             Self::Step(step) => each!(slots, notes, (at => out), |a, n| a.step(step, n)),
             Self::Smoothstep => each!(slots, notes, (at => out), |a, _| a.smoothstep()),
+            Self::Triangle => each!(slots, notes, (at => out), |a, _| a.triangle()),
         }
     }
 }

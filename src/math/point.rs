@@ -113,6 +113,10 @@ impl<L: Lanes> Number for Point<L> {
         Self(smooth_step(self.0))
     }
     #[inline(always)]
+    fn triangle(self) -> Self {
+        Self(triangle_wave(self.0))
+    }
+    #[inline(always)]
     fn atan2(self, x: Self, _lifted: bool, _: &mut NotesOf<Self>) -> Self {
         Self(elementary::atan2(self.0, x.0))
     }
@@ -140,6 +144,11 @@ impl<L: Lanes> Number for Point<L> {
         Self(L::pick(negative, self.0.same(-1.0), self.0.same(1.0)))
     }
     #[inline(always)]
+    fn triangle_slope(self) -> Self {
+        let rises = (self.0 - self.0.floor()).lt(self.0.same(0.5));
+        Self(L::pick(rises, self.0.same(1.0), self.0.same(-1.0)))
+    }
+    #[inline(always)]
     fn choose(a: Self, b: Self, p: Self, q: Self) -> Self {
         // Where a or b is NaN neither comparison holds, and the sum carries the NaN on.
         let undecided = Self(L::pick(b.0.le(a.0), q.0, a.0 + b.0));
@@ -164,6 +173,13 @@ pub(super) fn smooth_step<L: Lanes>(v: L) -> L {
     let t = v.max(v.same(0.0)).min(v.same(1.0));
     let smooth = t * t * (v.same(3.0) - (t + t));
     L::pick(v.eq(v), smooth, v)
+}
+
+/// The distance to the nearest integer, without rounding: either v or the difference is 0 or not
+/// below half of the other in size.
+#[inline(always)]
+pub(super) fn triangle_wave<L: Lanes>(v: L) -> L {
+    (v - elementary::round_half_away(v)).abs()
 }
 
 /// The unit complex number (c, s) to the power n, at least 1.

@@ -23,6 +23,7 @@ use super::{
     grid::{Border, Grid, Leaf, RUN, SIDE, VOXELS, index_of},
     halo::{Halo, WIDTH},
 };
+use crate::math::morton_encode;
 
 /// Cut edges stay away from both ends of the zone in which they are looked for by this part of it:
 /// large enough for f32 to tell them apart in grids of 16384 voxels, so that values equal to the
@@ -120,6 +121,61 @@ pub fn extract<T: Copy + Default + Send>(
     Extraction { vertices, triangles: triangles.concat() }
 }
 
+/// A dual edge, whatever else the grid holds: the Morton code of its owner's brick, times 2^12, and
+/// its place in that.
+pub type EdgeKey = u64;
+
+/// What a brick gives to a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BrickMesh {
+    /// Its Morton code.
+    pub brick: u64,
+    /// In order of their edges.
+    pub vertices: Vec<(EdgeKey, Crossing)>,
+    /// In order of their cells.
+    pub triangles: Vec<[EdgeKey; 3]>,
+}
+
+/// Bits of a key for the place of an edge in its brick.
+const EDGE_BITS: u32 = 12;
+
+/// The Morton code of the brick of an edge.
+pub(super) fn brick_of(key: EdgeKey) -> u64 {
+    key >> EDGE_BITS
+}
+
+/// The parts of a mesh that `wanted` bricks give, in Morton order, without those that give nothing.
+/// The bricks around them must be complete in the grid.
+#[must_use]
+pub fn extract_bricks(grid: &Grid, wanted: impl Fn([u32; 3]) -> bool + Sync) -> Vec<BrickMesh> {
+    let n = grid.bricks.len();
+    let halos: Vec<Halo<'_>> =
+        (0..n).into_par_iter().map(|number| Halo::new(grid, number)).collect();
+    let cuts = Cuts::of_all(grid, &halos);
+    let mut keys = Vec::new();
+    let mut firsts = Vec::with_capacity(n);
+    for (brick, cuts) in grid.bricks.iter().zip(&cuts) {
+        firsts.push(keys.len() as u32);
+        let of_brick = morton_encode(brick.place) << EDGE_BITS;
+        keys.extend(cuts.slots().map(|slot| of_brick | slot as u64));
+    }
+    let edges = Edges { grid, cuts, firsts };
+    let of_brick = |numbers: &mut Numbers, number: usize| {
+        let (halo, first) = (&halos[number], edges.firsts[number] as usize);
+        let vertices = keys[first..].iter().copied().zip(edges.crossings(halo, number)).collect();
+        let mut triangles = Vec::new();
+        edges.triangles(halo, numbers, &mut triangles);
+        let triangles = triangles.iter().map(|corners| corners.map(|v| keys[v as usize])).collect();
+        BrickMesh { brick: morton_encode(grid.bricks[number].place), vertices, triangles }
+    };
+    (0..n)
+        .into_par_iter()
+        .filter(|&number| wanted(grid.bricks[number].place))
+        .map_init(Numbers::default, of_brick)
+        .filter(|mesh| !mesh.vertices.is_empty() || !mesh.triangles.is_empty())
+        .collect()
+}
+
 /// Which dual edges of a brick's own are cut.
 struct Cuts {
     /// Bit voxel + 512 direction.
@@ -188,6 +244,21 @@ impl Cuts {
             *before = n;
             n += bits.count_ones() as u16;
         }
+    }
+
+    /// The places of all that are cut.
+    fn slots(&self) -> impl Iterator<Item = usize> {
+        let mut word = 0;
+        let mut rest = self.bits[0];
+        iter::from_fn(move || {
+            while rest == 0 {
+                word += 1;
+                rest = *self.bits.get(word)?;
+            }
+            let slot = 64 * word + rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            Some(slot)
+        })
     }
 
     fn count(&self) -> u32 {
@@ -311,18 +382,8 @@ struct Edges<'a> {
 impl Edges<'_> {
     /// The vertices of a brick, in order.
     fn crossings(&self, halo: &Halo<'_>, number: usize) -> impl Iterator<Item = Crossing> {
-        let mut word = 0;
-        let mut rest = self.cuts[number].bits[0];
-        let slot = move || {
-            while rest == 0 {
-                word += 1;
-                rest = *self.cuts[number].bits.get(word)?;
-            }
-            let slot = 64 * word + rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            Some(slot)
-        };
-        iter::from_fn(slot).map(|slot| self.crossing(halo, slot % VOXELS, slot / VOXELS))
+        let slots = self.cuts[number].slots();
+        slots.map(|slot| self.crossing(halo, slot % VOXELS, slot / VOXELS))
     }
 
     /// The vertex on the edge that leaves the voxel number `index` of a brick in a direction.
@@ -441,7 +502,7 @@ impl Edges<'_> {
 
 /// Where between two values, as they are above the isovalue, the isovalue is.
 #[inline]
-fn zone([f, g]: [f32; 2]) -> f64 {
+pub(super) fn zone([f, g]: [f32; 2]) -> f64 {
     let zone = f64::from(f) / (f64::from(f) - f64::from(g));
     // Without a number at one end, the middle.
     let zone = if zone.is_finite() { zone } else { 0.5 };

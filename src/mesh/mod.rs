@@ -18,20 +18,24 @@ mod fans;
 mod formula;
 mod grid;
 mod halo;
+mod live;
 mod normals;
 mod quadric;
 mod repair;
 #[cfg(test)]
 mod tests;
+mod uniform;
 
 pub use check::{Health, Shape};
 use std::hash::Hasher;
 
 use siphasher::sip128::{Hasher128, SipHasher13};
 
-pub use extract::{Crossing, Extraction, LEAST_PART, extract};
+pub use extract::{BrickMesh, Crossing, EdgeKey, Extraction, LEAST_PART, extract, extract_bricks};
 pub use formula::{FormulaSettings, VertexPlace, of_formula};
 pub use grid::{Border, Brick, Grid, Leaf, SIDE, VOXELS, offset};
+pub use live::LiveMesh;
+pub use uniform::{Threshold, Triangles, uniform};
 
 /// Triangles of one surface, as files hold them.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,4 +1,4 @@
-//! `[params]`, `[let]` and `--set`: the names that all formulas of a scene share.
+//! `[params]`, `[let]`, `[shapes]` and `--set`: the names that all formulas of a scene share.
 //!
 //! Which names there are is settled here; what they stand for is the business of
 //! [`crate::expr::Expr::resolve`].
@@ -20,7 +20,7 @@ use crate::{
 /// The coordinates keep their meaning.
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
-/// The entries of `[params]` or `[let]`, in the order of the file.
+/// The entries of `[params]`, `[let]` or `[shapes]`, in the order of the file.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Named(Vec<Entry>);
 
@@ -64,6 +64,30 @@ impl Named {
         entries.sort_by_key(|entry| entry.span.start);
         Self(entries)
     }
+
+    /// The same entries, read as shapes.
+    pub(super) fn into_shapes(self) -> Self {
+        let shape = |entry: Entry| Entry { formula: entry.formula.into_shape(), ..entry };
+        Self(self.0.into_iter().map(shape).collect())
+    }
+
+    /// The same entries in another text.
+    pub(super) fn in_text(self, origin: Origin) -> Self {
+        let moved = |entry: Entry| Entry { formula: entry.formula.in_text(origin), ..entry };
+        Self(self.0.into_iter().map(moved).collect())
+    }
+
+    /// Puts entries of an included file before these.
+    pub(super) fn include(&mut self, included: Self) {
+        self.0.splice(..0, included.0);
+    }
+
+    /// Without the entries that `other` has as well.
+    pub(super) fn without(mut self, other: &Self) -> Self {
+        let name = |entry: &Entry| identifier(&entry.name);
+        self.0.retain(|entry| !other.0.iter().any(|other| name(other) == name(entry)));
+        self
+    }
 }
 
 /// The formula that a value in the file stands for.
@@ -99,11 +123,12 @@ struct Setting {
 impl Lower<'_> {
     /// Makes the definitions of the scene known to all formulas that are resolved afterwards.
     /// Parameters that change during a film have their values at `time`, from 0 to 1.
-    pub(super) fn define(&mut self, params: &Named, lets: &Named, time: f64) {
+    pub(super) fn define(&mut self, params: &Named, lets: &Named, shapes: &Named, time: f64) {
         let mut settings = self.settings(params, lets);
         let params = params.0.iter().map(|entry| (DefinitionKind::Parameter, entry));
         let lets = lets.0.iter().map(|entry| (DefinitionKind::Let, entry));
-        for (kind, entry) in params.chain(lets) {
+        let shapes = shapes.0.iter().map(|entry| (DefinitionKind::Shape, entry));
+        for (kind, entry) in params.chain(lets).chain(shapes) {
             let ast = self.parse(&entry.formula);
             let Some(name) = self.name(entry) else { continue };
             let set = settings.iter().rposition(|set| set.name == name);
@@ -142,11 +167,13 @@ impl Lower<'_> {
             Some(name) if self.definitions.iter().any(|known| known.name == name) => {
                 Diagnostic::new(entry.span.clone(), format!("`{name}` is defined twice"))
                     .label("the second one")
-                    .help("names of [params] and [let] must differ")
+                    .help(
+                        "names of [params], [let] and [shapes] must differ, also in included files",
+                    )
             }
             Some(name) => return Some(name),
         };
-        self.errors.push(mistake);
+        self.errors.push(Diagnostic { origin: entry.formula.origin(), ..mistake });
         None
     }
 

@@ -8,13 +8,16 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 15] = [
+const SECTIONS: [&str; 18] = [
     "version",
     "params",
     "let",
+    "shapes",
+    "include",
     "surface",
     "model",
     "volume",
+    "sculpture",
     "domain",
     "voxels",
     "camera",
@@ -41,7 +44,7 @@ pub(super) fn unknown_section(key: &str, span: Range<usize>) -> Diagnostic {
 /// Where a key belongs that people write without its section.
 fn place_of(key: &str) -> Option<&'static str> {
     Some(match key {
-        "f" | "blend" | "file" | "inside" | "color" | "back_color" => "[[surface]]",
+        "f" | "shape" | "blend" | "file" | "inside" | "color" | "back_color" => "[[surface]]",
         "clip" | "cap" => "[domain], for all surfaces, or below a [[surface]]",
         "min" | "max" => "[domain]",
         "resolution" => "[voxels]",

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::{lower::Lower, spanned::Spanned};
 use crate::{
     diagnostic::{Diagnostic, Origin},
-    expr::{Ast, Expr, Mistake, Resolved, parse},
+    expr::{Ast, Expr, Mistake, Resolved, parse, parse_shape},
 };
 
 /// The text of a formula and where it stands.
@@ -17,6 +17,8 @@ pub(super) struct Formula {
     span: Range<usize>,
     /// Where its first character is, if it stands there literally, without escapes.
     start: Option<usize>,
+    /// Whether it is a shape: then `|` and `&` join solids.
+    is_shape: bool,
 }
 
 impl Formula {
@@ -24,19 +26,34 @@ impl Formula {
     pub(super) fn of_string(text: &str, span: Range<usize>, source: &str) -> Self {
         let start = source.get(span.clone()).and_then(|written| start_of_literal(written, text));
         let start = start.map(|offset| span.start + offset);
-        Self { text: text.to_owned(), origin: Origin::File, span, start }
+        Self { text: text.to_owned(), origin: Origin::File, span, start, is_shape: false }
     }
 
     /// The formula `text` that stands for the number at `span` of the file `source`.
     pub(super) fn of_number(text: &str, span: Range<usize>, source: &str) -> Self {
         let start = (source.get(span.clone()) == Some(text)).then_some(span.start);
-        Self { text: text.to_owned(), origin: Origin::File, span, start }
+        Self { text: text.to_owned(), origin: Origin::File, span, start, is_shape: false }
     }
 
     /// What stands at `span` of the setting number `index`.
     pub(super) fn in_setting(index: usize, argument: &str, span: Range<usize>) -> Self {
         let (text, start) = (argument[span.clone()].to_owned(), Some(span.start));
-        Self { text, origin: Origin::Setting(index), span, start }
+        Self { text, origin: Origin::Setting(index), span, start, is_shape: false }
+    }
+
+    /// The same text, read as a shape.
+    pub(super) fn into_shape(self) -> Self {
+        Self { is_shape: true, ..self }
+    }
+
+    /// The same in another text.
+    pub(super) fn in_text(self, origin: Origin) -> Self {
+        Self { origin, ..self }
+    }
+
+    /// The text that it stands in.
+    pub(super) fn origin(&self) -> Origin {
+        self.origin
     }
 
     /// Moves a mistake in the formula to the text that holds it: exactly if the formula stands
@@ -67,6 +84,7 @@ impl Lower<'_> {
 
     /// Parses a formula, or notes what is wrong with it.
     pub(super) fn parse(&mut self, formula: &Formula) -> Option<Ast> {
+        let parse = if formula.is_shape { parse_shape } else { parse };
         match parse(&formula.text) {
             Ok(ast) => Some(ast),
             Err(mistakes) => {
@@ -79,7 +97,8 @@ impl Lower<'_> {
     /// Finds what a formula means with the scene's definitions, or notes what is wrong with it.
     pub(super) fn resolve(&mut self, formula: &Formula) -> Option<Resolved> {
         let ast = self.parse(formula)?;
-        match Expr::resolve(&ast, &self.definitions) {
+        let resolve = if formula.is_shape { Expr::resolve_shape } else { Expr::resolve };
+        match resolve(&ast, &self.definitions) {
             Ok(resolved) => {
                 let warnings = self.placed(formula, resolved.warnings.clone());
                 self.warnings.extend(warnings);

@@ -25,6 +25,7 @@ pub(super) struct Script {
     pub(super) spec: SceneSpec,
     pub(super) folder: Option<PathBuf>,
     pub(super) tracks: Vec<Track>,
+    pub(super) n_included: usize,
     pub(super) graphs: Vec<(Model, Option<Expr>)>,
 }
 
@@ -38,6 +39,7 @@ impl Script {
     ) -> std::result::Result<Vec<Surface>, Vec<Diagnostic>> {
         let mut lower = Lower::new(source, settings, self.folder.as_deref(), Vec::new());
         lower.tracks.clone_from(&self.tracks);
+        lower.n_included = self.n_included;
         lower.graphs.clone_from(&self.graphs);
         let surfaces = lower.surfaces_of_frame(&self.spec, time);
         if lower.errors.is_empty() { Ok(surfaces) } else { Err(lower.errors) }
@@ -71,6 +73,7 @@ impl Lower<'_> {
             spec,
             folder: self.folder.map(Path::to_owned),
             tracks: self.tracks.clone(),
+            n_included: self.n_included,
             graphs: self.graphs.clone(),
         };
         self.errors = script.mistakes(self.source, self.settings, animation.n_frames);
@@ -88,7 +91,9 @@ impl Scene {
     /// Whether its surfaces differ from frame to frame.
     #[must_use]
     pub fn changes(&self) -> bool {
-        self.animation.as_ref().is_some_and(|animation| animation.script.is_some())
+        self.animation.as_ref().is_some_and(|animation| {
+            animation.script.is_some() || self.carvings.iter().any(|carving| carving.is_filmed)
+        })
     }
 
     /// The frame of this number, from 1: a scene without animation, with files of its own. The
@@ -104,12 +109,13 @@ impl Scene {
             warnings: Vec::new(),
             ..self.clone()
         };
+        let time = time(number - 1, self.n_frames());
+        let frame = frame.with_carvings(time);
         let animation = self.animation.as_ref();
         let Some(script) = animation.and_then(|animation| animation.script.as_ref()) else {
             return Ok(frame);
         };
         let Sources { text, settings, .. } = &self.sources;
-        let time = time(number - 1, self.n_frames());
         match script.surfaces(text, settings, time) {
             Ok(surfaces) => Ok(Self { surfaces, ..frame }),
             Err(diagnostics) => {
@@ -121,6 +127,23 @@ impl Scene {
 }
 
 impl Scene {
+    /// The scene with sculptures that are filmed as they are at a time from 0 to 1.
+    fn with_carvings(mut self, time: f64) -> Self {
+        if !self.carvings.iter().any(|carving| carving.is_filmed) {
+            return self;
+        }
+        let (mut models, mut meshes) = (self.models.to_vec(), self.isosurfaces.to_vec());
+        let n = self.carvings.len();
+        let (n_models, n_meshes) = (models.len(), meshes.len());
+        for (i, carving) in self.carvings.iter().enumerate().filter(|(_, it)| it.is_filmed) {
+            let (model, mesh) = carving.at(time);
+            models[n_models - n + i] = model;
+            meshes[n_meshes - n + i] = mesh;
+        }
+        (self.models, self.isosurfaces) = (models.into(), meshes.into());
+        self
+    }
+
     /// Whether nothing else is shown than surfaces of formulas.
     #[must_use]
     pub fn needs_surfaces(&self) -> bool {

@@ -25,7 +25,7 @@ impl Lower<'_> {
         let bytes = self.read(file, &path).map_err(|mistake| self.errors.push(mistake)).ok()?;
         let (text, mistake) = text::decode(bytes);
         let expr = mistake.map_or_else(|| Expr::from_vm(&text), |mistake| Err(vec![mistake]));
-        let origin = Origin::Model(self.graphs.len());
+        let origin = Origin::Model(self.n_included + self.graphs.len());
         let note = |mistakes: Vec<Diagnostic>| {
             let placed = mistakes.into_iter().map(|mistake| Diagnostic { origin, ..mistake });
             self.errors.extend(placed);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Scene, lower::Lower, read::read, text};
+use super::{Scan, Scene, include::Includes, lower::Lower, read::read, text};
 use crate::{
     Error, Result,
     diagnostic::{Diagnostic, Rejection, Sources},
@@ -16,24 +16,43 @@ const MAX_BYTES: u64 = 4 << 20;
 /// # Errors
 /// The file cannot be read, is larger than 4 MiB, or does not hold a valid scene.
 pub fn load(path: &Path) -> Result<Scene> {
-    load_with(path, &[])
+    load_with(path, &[], false)
 }
 
 /// As [`load`], with parameters set to other values: each of `settings` is `name=value`, where the
-/// value is a number or a formula. The last one of a name counts.
+/// value is a number or a formula. The last one of a name counts. Files outside the scene's folder are
+/// included only if `allow_outside`.
 ///
 /// # Errors
 /// As [`load`]; also if a setting is malformed or sets what the scene does not have.
-pub fn load_with(path: &Path, settings: &[String]) -> Result<Scene> {
+pub fn load_with(path: &Path, settings: &[String], allow_outside: bool) -> Result<Scene> {
     let (source, mistake) = text::decode(read_bytes(path)?);
     let scene = match mistake {
-        None => parse_with(path, &source, settings, path.parent()),
+        None => parse_in(path, &source, settings, path.parent(), allow_outside),
         Some(mistake) => {
             let sources = Sources { path: path.to_owned(), text: source, ..Sources::default() };
             Err(reject(sources, vec![mistake]))
         }
     };
     scene.map_err(|rejection| Error::Scene(Box::new(rejection)))
+}
+
+/// The sampled volumes of the scene in the file `path`, and nothing else of it.
+///
+/// # Errors
+/// As [`load`], with the mistakes of its `[[volume]]` sections alone.
+pub fn load_volumes(path: &Path) -> Result<Vec<Scan>> {
+    let (text, mistake) = text::decode(read_bytes(path)?);
+    let sources = Sources { path: path.to_owned(), text, ..Sources::default() };
+    let mut errors: Vec<Diagnostic> = mistake.into_iter().collect();
+    let spec = if errors.is_empty() { read(&sources.text, &mut errors) } else { None };
+    let mut lower = Lower::new(&sources.text, &[], path.parent(), errors);
+    let sections = spec.iter().flat_map(|spec| &spec.volumes);
+    let scans: Vec<Scan> = sections.filter_map(|section| lower.scan(section)).collect();
+    match std::mem::take(&mut lower.errors) {
+        errors if errors.is_empty() => Ok(scans),
+        errors => Err(Error::Scene(Box::new(reject(sources, errors)))),
+    }
 }
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>> {
@@ -65,6 +84,16 @@ pub fn parse_with(
     settings: &[String],
     folder: Option<&Path>,
 ) -> std::result::Result<Scene, Rejection> {
+    parse_in(path, source, settings, folder, false)
+}
+
+fn parse_in(
+    path: &Path,
+    source: &str,
+    settings: &[String],
+    folder: Option<&Path>,
+    allow_outside: bool,
+) -> std::result::Result<Scene, Rejection> {
     let mut errors = Vec::new();
     let name = path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
     let mut sources = Sources {
@@ -73,13 +102,16 @@ pub fn parse_with(
         settings: settings.to_vec(),
         models: Vec::new(),
     };
-    let Some(spec) = read(source, &mut errors) else { return Err(reject(sources, errors)) };
+    let Some(mut spec) = read(source, &mut errors) else { return Err(reject(sources, errors)) };
+    let included = Includes::new(path, folder, allow_outside).read(&mut spec, &mut errors);
     let mut lower = Lower::new(source, settings, folder, errors);
+    lower.n_included = included.len();
     let mut scene = lower.scene(&name, &spec);
     if let Some(animation) = &mut scene.animation {
         lower.script(animation, spec);
     }
-    sources.models = lower.graphs.into_iter().map(|(graph, _)| graph).collect();
+    let graphs = lower.graphs.into_iter().map(|(graph, _)| graph);
+    sources.models = included.into_iter().chain(graphs).collect();
     match lower.errors.is_empty() {
         true => Ok(Scene { sources, warnings: in_order(lower.warnings), ..scene }),
         false => Err(reject(sources, lower.errors)),

@@ -65,6 +65,8 @@ pub(super) struct Lower<'a> {
     pub(super) formulas: Vec<Formula>,
     /// Mistakes of definitions that were noted: index, place, message.
     pub(super) noted: HashSet<(usize, usize, String)>,
+    /// How many files were included; their texts come before those of `graphs`.
+    pub(super) n_included: usize,
     /// The files that were read, with what they mean, unless something is wrong with them.
     pub(super) graphs: Vec<(Model, Option<Expr>)>,
     /// Whether a picture stands for all light.
@@ -95,6 +97,7 @@ impl<'a> Lower<'a> {
             definitions: Vec::new(),
             formulas: Vec::new(),
             noted: HashSet::new(),
+            n_included: 0,
             graphs: Vec::new(),
             has_matcap: false,
             tracks: Vec::new(),
@@ -109,12 +112,16 @@ impl<'a> Lower<'a> {
         let models = self.models(&spec.models, spec.surfaces.len());
         let n_before = spec.surfaces.len() + spec.models.len();
         let (of_volumes, isosurfaces) = self.volumes(&spec.volumes, n_before);
+        let carvings = self.carvings(&spec.sculptures, n_before + spec.volumes.len());
+        let carved = carvings.iter().map(|carving| carving.at(1.0));
+        let (of_carvings, carved): (Vec<_>, Vec<_>) = carved.unzip();
         Scene {
             name: name.to_owned(),
             about: about(&spec.about.spec),
             surfaces,
-            models: models.into_iter().chain(of_volumes).collect(),
-            isosurfaces: isosurfaces.into(),
+            models: models.into_iter().chain(of_volumes).chain(of_carvings).collect(),
+            isosurfaces: isosurfaces.into_iter().chain(carved).collect(),
+            carvings: carvings.into(),
             domain: self.domain(&spec.domain),
             resolution: self.resolution(&spec.voxels.spec),
             is_auto: is_auto(&spec.voxels.spec),
@@ -135,7 +142,7 @@ impl<'a> Lower<'a> {
     /// The surfaces at a time of the film, from 0 to 1.
     pub(super) fn surfaces_of_frame(&mut self, spec: &SceneSpec, time: f64) -> Vec<Surface> {
         self.has_matcap = spec.image.spec.matcap.is_some();
-        self.define(&spec.params, &spec.lets, time);
+        self.define(&spec.params, &spec.lets, &spec.shapes, time);
         let clip = self.clip(&spec.domain);
         self.surfaces(&spec.surfaces, &clip)
     }

@@ -11,6 +11,7 @@ mod files;
 mod formula;
 mod frames;
 mod graph;
+mod include;
 mod leaf;
 mod leaf_schema;
 mod light;
@@ -21,6 +22,7 @@ mod model;
 mod output;
 mod read;
 mod schema;
+mod sculpture;
 mod spanned;
 mod spec;
 mod surface;
@@ -33,9 +35,11 @@ mod tests;
 use std::{path::PathBuf, sync::Arc};
 
 pub use animation::Animation;
-pub use load::{load, load_with, parse, parse_with};
+pub use load::{load, load_volumes, load_with, parse, parse_with};
 pub use lower::MAX_RESOLUTION;
 pub use schema::schema;
+pub use sculpture::Carving;
+pub use volume::Scan;
 
 use serde::Serialize;
 
@@ -63,6 +67,8 @@ pub struct Scene {
     pub models: Arc<[Model]>,
     /// The meshes of isosurfaces of volumes, which are among the models too.
     pub isosurfaces: Arc<[Mesh]>,
+    /// What tools carve; its last state is among models and isosurfaces, at their ends.
+    pub carvings: Arc<[Carving]>,
     /// The box that is searched, finite and not empty; one is found where there is none.
     pub domain: Option<Aabb>,
     /// Voxels along the domain's longest axis.

@@ -38,7 +38,7 @@ pub(super) fn read(source: &str, errors: &mut Vec<Diagnostic>) -> Option<SceneSp
 }
 
 /// TOML's own words, cut in message and label, with help for what people write often.
-fn syntax(error: &toml::de::Error, source: &str) -> Diagnostic {
+pub(super) fn syntax(error: &toml::de::Error, source: &str) -> Diagnostic {
     let (message, label) = match error.message().split_once(", expected ") {
         Some((message, expected)) => (message, format!("expected {expected}")),
         None => (error.message(), String::new()),
@@ -75,7 +75,7 @@ fn number_of_quantity(written: &str) -> &str {
     if is_unit { &written[..digits] } else { "" }
 }
 
-fn check_version(root: &DeTable<'_>) -> Result<(), Diagnostic> {
+pub(super) fn check_version(root: &DeTable<'_>) -> Result<(), Diagnostic> {
     let help = format!("this program reads `version = {VERSION}`");
     let Some((_, version)) = root.iter().find(|(key, _)| key.get_ref() == "version") else {
         return Err(Diagnostic::new(0..0, "the scene does not say its version")
@@ -112,6 +112,11 @@ fn sections(root: DeTable<'_>, source: &str, errors: &mut Vec<Diagnostic>) -> Sc
                 let help = "a volume is written in double brackets";
                 spec.volumes = repeated("[[volume]]", help, value, errors);
             }
+            "sculpture" => {
+                has_surface = true;
+                let help = "a sculpture is written in double brackets";
+                spec.sculptures = repeated("[[sculpture]]", help, value, errors);
+            }
             "light" => {
                 let help = "a light is written in double brackets";
                 spec.lights = repeated("[[light]]", help, value, errors);
@@ -119,6 +124,8 @@ fn sections(root: DeTable<'_>, source: &str, errors: &mut Vec<Diagnostic>) -> Sc
             "about" => spec.about = section("[about]", value, errors),
             "params" => spec.params = names("[params]", value, source, errors),
             "let" => spec.lets = names("[let]", value, source, errors),
+            "shapes" => spec.shapes = names("[shapes]", value, source, errors).into_shapes(),
+            "include" => spec.include = file_names(value, errors),
             "domain" => spec.domain = section("[domain]", value, errors),
             "voxels" => spec.voxels = section("[voxels]", value, errors),
             "camera" => spec.camera = section("[camera]", value, errors),
@@ -185,8 +192,24 @@ fn repeated<'i, T: Deserialize<'i> + Default>(
     array.into_iter().map(|element| section(name, element, errors)).collect()
 }
 
+/// Reads `include`.
+pub(super) fn file_names(
+    value: Spanned<DeValue<'_>>,
+    errors: &mut Vec<Diagnostic>,
+) -> Vec<super::spanned::Spanned<String>> {
+    let span = value.span();
+    let names = Vec::deserialize(toml::de::ValueDeserializer::from(value));
+    names.unwrap_or_else(|_| {
+        errors.push(
+            Diagnostic::new(span, "expected names of files")
+                .help("write them in square brackets, as in include = [\"parts.toml\"]"),
+        );
+        Vec::new()
+    })
+}
+
 /// Reads a section whose keys the user chooses.
-fn names(
+pub(super) fn names(
     name: &str,
     value: Spanned<DeValue<'_>>,
     source: &str,

@@ -31,6 +31,13 @@ pub(super) struct SceneSpec {
     /// Expressions with names that all formulas may use.
     #[schemars(rename = "let", default)]
     pub(super) lets: Named,
+    /// Shapes with names that other shapes and all formulas may use.
+    #[schemars(default)]
+    pub(super) shapes: Named,
+    /// Files NAME.toml with `[params]`, `[let]` and `[shapes]` that count as if they stood here, relative
+    /// to the folder of this one and not outside of it.
+    #[schemars(default)]
+    pub(super) include: Vec<Spanned<String>>,
     /// What is drawn.
     #[schemars(rename = "surface", length(min = 1))]
     pub(super) surfaces: Vec<Section<SurfaceSpec>>,
@@ -40,6 +47,9 @@ pub(super) struct SceneSpec {
     /// Sampled volumes, of each of which an isosurface is drawn.
     #[schemars(rename = "volume", default)]
     pub(super) volumes: Vec<Section<VolumeSpec>>,
+    /// Solids that tools carve, stroke by stroke.
+    #[schemars(rename = "sculpture", default)]
+    pub(super) sculptures: Vec<Section<SculptureSpec>>,
     #[schemars(default)]
     pub(super) domain: Section<DomainSpec>,
     #[schemars(default)]
@@ -105,7 +115,7 @@ pub(super) struct AboutSpec {
     pub(super) note: Option<String>,
 }
 
-/// What is drawn: one of `f`, `blend` and `file`.
+/// What is drawn: one of `f`, `shape`, `blend` and `file`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SurfaceSpec {
@@ -113,6 +123,8 @@ pub(super) struct SurfaceSpec {
     pub(super) name: Option<String>,
     /// The formula; `a = b` means a − b = 0, and `a <= b` is a solid.
     pub(super) f: Option<Spanned<String>>,
+    /// A shape: solids joined by `|` (union), `&` (intersection) and `-` (difference).
+    pub(super) shape: Option<Spanned<String>>,
     /// A blend of spheres.
     pub(super) blend: Option<Spanned<Table<BlendSpec>>>,
     /// A function graph in the text format of libfive and Fidget: the file `NAME.vm`, relative to
@@ -242,6 +254,127 @@ pub(super) struct VolumeSpec {
     /// Exponent of the highlight from 1 to 1000; 32 by default.
     #[schemars(range(min = 1, max = 1000))]
     pub(super) shininess: Option<Spanned<Whole>>,
+}
+
+/// A solid on a grid of samples, and the strokes that change it.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SculptureSpec {
+    /// For messages and meshes; "sculpture 1" and so on by default.
+    pub(super) name: Option<String>,
+    /// What it is before the first stroke: F < 0 is solid. By default there is nothing.
+    pub(super) f: Option<Spanned<String>>,
+    /// Samples along the longest edge of its box, from 8 to 512; 128 by default.
+    #[schemars(range(min = 8, max = 512))]
+    pub(super) size: Option<Spanned<Whole>>,
+    /// The first corner of its box; `[-1, -1, -1]` by default.
+    pub(super) min: Option<Spanned<Numbers<3>>>,
+    /// The last corner of its box; `[1, 1, 1]` by default.
+    pub(super) max: Option<Spanned<Numbers<3>>>,
+    /// Whether a film shows one stroke after the other; false by default.
+    pub(super) film: Option<bool>,
+    /// The strokes, in order.
+    #[serde(rename = "stroke", default)]
+    pub(super) strokes: Vec<Section<StrokeSpec>>,
+    /// By default the next of a small palette.
+    pub(super) color: Option<Color>,
+    /// The colour seen from inside; by default the same.
+    pub(super) back_color: Option<Color>,
+    /// Strength of the highlight in [0, 1]; 0.3 by default.
+    #[schemars(range(min = 0, max = 1))]
+    pub(super) specular: Option<Spanned<Number>>,
+    /// Exponent of the highlight from 1 to 1000; 32 by default.
+    #[schemars(range(min = 1, max = 1000))]
+    pub(super) shininess: Option<Spanned<Whole>>,
+}
+
+/// A stroke of a tool.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StrokeSpec {
+    /// What the tool does: "add", "remove", "fill", "cut", "smooth", "twist" or "drag".
+    #[serde(rename = "do")]
+    #[schemars(required)]
+    pub(super) deed: Option<Spanned<DeedSpec>>,
+    /// Where it goes: one place or more.
+    #[schemars(required)]
+    pub(super) at: Option<Spanned<Vec<Numbers<3>>>>,
+    /// How it gets from place to place; "points" by default, "line" for drags.
+    pub(super) path: Option<PathSpec>,
+    /// "ball", "cube", or a formula in radii from the tool's middle with F < 0 inside; "ball" by
+    /// default.
+    pub(super) tool: Option<Spanned<String>>,
+    /// From the tool's middle to its border.
+    #[schemars(required)]
+    pub(super) radius: Option<Spanned<Number>>,
+    /// By how much an addition or removal moves the surface in the tool's middle, in parts of its radius;
+    /// more than 4 samples set down a ball or dig a hole of their own. How much is smoothed, in
+    /// [0, 1]. 0.5 by default.
+    pub(super) strength: Option<Spanned<Number>>,
+    /// How the effect falls off from the tool's middle; "smooth" by default.
+    pub(super) falloff: Option<FalloffSpec>,
+    /// The axis of a twist; `[0, 0, 1]` by default.
+    pub(super) axis: Option<Spanned<Numbers<3>>>,
+    /// Degrees of a twist in the tool's middle; 90 by default.
+    pub(super) angle: Option<Spanned<Number>>,
+    /// How often it is done; 1 by default.
+    #[schemars(range(min = 1, max = 1000))]
+    pub(super) times: Option<Spanned<Whole>>,
+    /// Whether the same happens on the other side of a plane through the middle of the box.
+    pub(super) mirror: Option<MirrorSpec>,
+}
+
+/// What a tool does.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum DeedSpec {
+    /// Raises the surface.
+    Add,
+    /// Lowers the surface.
+    Remove,
+    /// Makes solid what is in the tool.
+    Fill,
+    /// Empties what is in the tool.
+    Cut,
+    /// Smooths the surface.
+    Smooth,
+    /// Turns what is in the tool; the volume stays what it is.
+    Twist,
+    /// Drags what is in the tool along its way; the volume stays what it is.
+    Drag,
+}
+
+/// How a tool gets from place to place.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum PathSpec {
+    /// It is set down at each.
+    Points,
+    /// Along straight lines.
+    Line,
+    /// Along a smooth curve.
+    Curve,
+}
+
+/// How the effect of a tool falls off.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum FalloffSpec {
+    /// Evenly.
+    Linear,
+    /// Smoothly.
+    Smooth,
+    /// Not at all.
+    Hard,
+}
+
+/// A plane across an axis.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum MirrorSpec {
+    X,
+    Y,
+    Z,
 }
 
 /// How a sample is stored.

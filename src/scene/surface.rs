@@ -66,34 +66,42 @@ impl Lower<'_> {
     /// F, negative inside.
     fn expr(&mut self, section: &Section<SurfaceSpec>) -> Option<Expr> {
         let spec = &section.spec;
-        match (&spec.f, &spec.blend, &spec.file) {
-            (Some(f), None, None) => {
+        match (&spec.f, &spec.shape, &spec.blend, &spec.file) {
+            (Some(f), None, None, None) => {
                 let formula = self.formula(f);
                 let resolved = self.resolve(&formula)?;
                 if resolved.relation == Relation::Solid {
-                    self.no_inside(spec.inside.as_ref());
+                    self.no_inside(spec.inside.as_ref(), "the comparison in `f`");
                     return Some(resolved.expr);
                 }
                 Some(turned(resolved.expr, spec, Inside::Negative))
             }
-            (None, Some(blend), None) => {
+            (None, Some(shape), None, None) => {
+                let formula = self.formula(shape).into_shape();
+                self.no_inside(spec.inside.as_ref(), "a shape");
+                Some(self.resolve(&formula)?.expr)
+            }
+            (None, None, Some(blend), None) => {
                 Some(turned(self.blend(&blend.get_ref().0), spec, Inside::Positive))
             }
-            (None, None, Some(file)) => Some(turned(self.graph(file)?, spec, Inside::Negative)),
-            (None, None, None) if section.is_damaged => None,
-            (None, None, None) => {
+            (None, None, None, Some(file)) => {
+                Some(turned(self.graph(file)?, spec, Inside::Negative))
+            }
+            (None, None, None, None) if section.is_damaged => None,
+            (None, None, None, None) => {
                 self.errors.push(
                     Diagnostic::new(section.span.clone(), "the surface has no formula")
-                        .label("none of `f`, `blend` and `file`")
+                        .label("none of `f`, `shape`, `blend` and `file`")
                         .help("add a formula, as in f = \"x^2 + y^2 + z^2 = 1\""),
                 );
                 None
             }
-            (f, blend, file) => {
+            (f, shape, blend, file) => {
                 let f = f.as_ref().map(|f| ("f", f.span()));
                 let blend = blend.as_ref().map(|blend| ("blend", blend.span()));
                 let file = file.as_ref().map(|file| ("file", file.span()));
-                self.given_twice(f.into_iter().chain(blend).chain(file).collect());
+                let shape = shape.as_ref().map(|shape| ("shape", shape.span()));
+                self.given_twice([f, shape, blend, file].into_iter().flatten().collect());
                 None
             }
         }
@@ -112,11 +120,11 @@ impl Lower<'_> {
     }
 
     /// A comparison needs no `inside`, and would contradict it half of the time.
-    fn no_inside(&mut self, inside: Option<&Spanned<Inside>>) {
+    fn no_inside(&mut self, inside: Option<&Spanned<Inside>>, what: &str) {
         if let Some(inside) = inside {
             self.errors.push(
                 Diagnostic::new(inside.span(), "`inside` is for equations")
-                    .label("the comparison in `f` says what is inside")
+                    .label(format!("{what} says what is inside"))
                     .help("remove it, or turn the comparison around"),
             );
         }

@@ -267,6 +267,106 @@ fn models_too_large_are_not_read() {
     assert!(both[0].ends_with("b.vm: it is too large"), "{both:?}");
 }
 
+/// What is wrong with a scene whose folder has these files.
+fn with_files(files: &[(&str, &str)], allow_outside: bool) -> Result<Scene, Vec<String>> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, format!("version = 1\n{text}")).unwrap();
+    }
+    match load_with(&folder.path().join(files[0].0), &[], allow_outside) {
+        Ok(scene) => Ok(scene),
+        Err(Error::Scene(rejection)) => {
+            let place = folder.path().to_string_lossy().into_owned() + "/";
+            let said = |mistake: Diagnostic| {
+                let (name, text) = rejection.sources.get(mistake.origin);
+                let name = name.replace(&place, "");
+                let marked = text[mistake.span.clone()].to_owned();
+                format!("{name}: {marked}: {}", mistake.message.replace(&place, ""))
+            };
+            Err(rejection.diagnostics.iter().cloned().map(said).collect())
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+const USES_BALL: &str = "include = ['parts/a.toml']\n[[surface]]\nshape = 'ball'\n";
+
+#[test]
+fn definitions_are_included() {
+    let a = "include = ['b.toml', '../parts/b.toml']\n[shapes]\nball = 'sphere(r_ball)'\n";
+    let b = "[params]\nr_ball = 3\n";
+    let scene =
+        with_files(&[("s.toml", USES_BALL), ("parts/a.toml", a), ("parts/b.toml", b)], false);
+    let program = |scene: &Scene| format!("{:?}", scene.surfaces[0].expr.tape().instructions());
+    let scene = scene.unwrap();
+    assert_eq!(scene.sources.models.len(), 2, "each is read once");
+    let own = format!("{USES_BALL}[params]\nr_ball = 4\n");
+    let other = with_files(&[("s.toml", &own), ("parts/a.toml", a), ("parts/b.toml", b)], false);
+    let four = with_files(&[("s.toml", "[[surface]]\nshape = 'sphere(4)'\n")], false);
+    assert_eq!(
+        program(&other.unwrap()),
+        program(&four.unwrap()),
+        "the scene's own parameters count"
+    );
+    assert_ne!(program(&scene), "[]");
+}
+
+#[test]
+fn circles_of_included_files_are_named() {
+    let a = "include = ['b.toml']\n[shapes]\nball = 'sphere(1)'\n";
+    let b = "include = ['a.toml']\n";
+    let said =
+        with_files(&[("s.toml", USES_BALL), ("parts/a.toml", a), ("parts/b.toml", b)], false);
+    let expected = "parts/b.toml: 'a.toml': `parts/a.toml` includes itself: \
+                    parts/a.toml -> b.toml -> parts/a.toml";
+    assert_eq!(said.unwrap_err(), [expected]);
+}
+
+#[test]
+fn files_outside_the_folder_are_included_only_if_allowed() {
+    let files = [
+        ("scenes/s.toml", "include = ['../a.toml']\n[[surface]]\nshape = 'ball'\n"),
+        ("a.toml", "[shapes]\nball = 'sphere(1)'\n"),
+    ];
+    let said = with_files(&files, false).unwrap_err();
+    assert_eq!(
+        said[0],
+        "scenes/s.toml: '../a.toml': scenes/../a.toml lies outside the scene's folder"
+    );
+    assert!(with_files(&files, true).is_ok());
+}
+
+#[test]
+fn mistakes_of_included_files_belong_to_them() {
+    let a = "ball = 3\n[shapes]\nball = 'sphere(q)'\n[[surface]]\nf = 'x'\n[let]\nball = 'x'\n";
+    let said = with_files(&[("s.toml", USES_BALL), ("parts/a.toml", a)], false).unwrap_err();
+    let expected = [
+        "parts/a.toml: ball: `ball` stands in an included file",
+        "parts/a.toml: ball: `ball` is defined twice",
+        "parts/a.toml: surface: `surface` stands in an included file",
+    ];
+    assert_eq!(said, expected);
+}
+
+#[test]
+fn a_text_without_a_folder_includes_nothing() {
+    let text = "version = 1\ninclude = ['a.toml']\n[[surface]]\nf = 'x'\n";
+    assert_eq!(mistakes(text), ["a scene without a folder includes a file"]);
+}
+
+#[test]
+fn named_shapes_are_parts_of_formulas_and_shapes() {
+    let text = "version = 1\n[params]\nscale = 2\n[shapes]\nbody = 'sphere(scale).scale(2)'\n\
+        half = 'z <= 0'\n[let]\nq = 'body + 1'\n[[surface]]\nshape = 'body & half'\n\
+        [[surface]]\nf = 'max(body, z) <= 0'\n[[surface]]\nf = 'q - 1'\n";
+    let scene = parse(Path::new("a.toml"), text).unwrap();
+    let program = |i: usize| format!("{:?}", scene.surfaces[i].expr.tape().instructions());
+    assert_eq!(program(0), program(1));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+}
+
 proptest! {
     #[test]
     fn soup_gives_an_answer_with_spans_in_the_text(
@@ -276,6 +376,9 @@ proptest! {
 |\[image\]
 |\[params\]
 |\[let\]
+|\[shapes\]
+|include = ["a.toml"]
+|shape = "a - sphere(1) | b.scale(2)"
 |\[domain\]
 |\[\[light\]\]
 |a = "b"

@@ -18,6 +18,21 @@ use crate::{
 /// More voxels along an axis are no file that memory holds.
 const MAX_SIZE: i64 = 1 << 20;
 
+/// What a `[[volume]]` section says.
+#[derive(Clone, Debug)]
+pub struct Scan {
+    /// For messages.
+    pub name: String,
+    /// Its samples, without the components that are dropped.
+    pub volume: Volume,
+    /// What is this large or larger is inside.
+    pub isovalue: f64,
+    /// When samples are alike.
+    pub tolerance: Tolerance,
+    /// What its isosurface does where the volume ends.
+    pub border: Border,
+}
+
 impl Lower<'_> {
     /// The isosurfaces of all volumes that could be read, as polygons and as meshes, after `n_before`
     /// other things with colours.
@@ -35,6 +50,25 @@ impl Lower<'_> {
         let usual = if self.has_matcap { WHITE } else { default_color(index) };
         let colors = (spec.color.unwrap_or(usual), spec.back_color);
         let material = self.material_of(colors, spec.specular.as_ref(), spec.shininess.as_ref());
+        let Scan { name, volume, isovalue, tolerance, border } = self.scan(section)?;
+        let mut mesh = isosurface(&volume, isovalue, tolerance, border);
+        if mesh.triangles.is_empty() {
+            let span = spec.file.as_ref().map_or(section.span.clone(), |file| file.span());
+            self.errors.push(
+                Diagnostic::new(span, "the isosurface is empty")
+                    .help("no two neighbours lie on different sides of it"),
+            );
+            return None;
+        }
+        mesh.name = name;
+        mesh.color = material.color;
+        let model = Model { name: mesh.name.clone(), polygons: polygons(&mesh), material };
+        Some((model, mesh))
+    }
+
+    /// The samples of a section and what is looked for in them.
+    pub(super) fn scan(&mut self, section: &Section<VolumeSpec>) -> Option<Scan> {
+        let spec = &section.spec;
         let raw = self.raw_format(spec);
         let Some(file) = &spec.file else {
             self.missing(section, "file", "file = \"scan.nrrd\"");
@@ -53,18 +87,8 @@ impl Lower<'_> {
             CriterionSpec::Deviation => Criterion::Deviation,
         };
         let border = if spec.cap.unwrap_or(false) { Border::Capped } else { Border::Open };
-        let mut mesh = isosurface(&volume, isovalue, Tolerance { epsilon, criterion }, border);
-        if mesh.triangles.is_empty() {
-            self.errors.push(
-                Diagnostic::new(file.span(), "the isosurface is empty")
-                    .help("no two neighbours lie on different sides of it"),
-            );
-            return None;
-        }
-        mesh.name = spec.name.clone().unwrap_or_else(|| file.get_ref().clone());
-        mesh.color = material.color;
-        let model = Model { name: mesh.name.clone(), polygons: polygons(&mesh), material };
-        Some((model, mesh))
+        let name = spec.name.clone().unwrap_or_else(|| file.get_ref().clone());
+        Some(Scan { name, volume, isovalue, tolerance: Tolerance { epsilon, criterion }, border })
     }
 
     /// The volume in which what is inside is at or above the isovalue.
@@ -183,7 +207,7 @@ impl Lower<'_> {
 }
 
 /// What the rasterizer draws.
-fn polygons(mesh: &Mesh) -> Polygons {
+pub(super) fn polygons(mesh: &Mesh) -> Polygons {
     let wide = |v: &[f32; 3]| glam::DVec3::from_array(v.map(f64::from));
     let of_corner = |v: u32| wide(&mesh.normals[v as usize]);
     Polygons {

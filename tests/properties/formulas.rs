@@ -12,7 +12,24 @@ use crate::numbers::{cases, is_sane};
 /// The text of a formula, in which much is defined almost everywhere.
 pub(crate) fn formula() -> impl Strategy<Value = String> {
     let leaf = prop::sample::select(vec![
-        "x", "y", "z", "x", "y", "z", "r", "rho", "theta", "phi", "0.5", "2", "(-1.3)", "0.1", "pi",
+        "x",
+        "y",
+        "z",
+        "x",
+        "y",
+        "z",
+        "r",
+        "rho",
+        "theta",
+        "phi",
+        "0.5",
+        "2",
+        "(-1.3)",
+        "0.1",
+        "pi",
+        "abs(sphere(0.3).repeat_x(0.8).repeat_y(0.9, 2))",
+        "abs(gyroid(2, thickness = 0.2))",
+        "abs(cone(1, 2, 0.5).twist(40))",
     ]);
     let unary = prop::sample::select(vec![
         "-(A)",

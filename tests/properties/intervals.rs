@@ -5,7 +5,7 @@ use zeroset::math::{Binary, Constant, Hyperbolic, Interval, Notes, Step, Unary, 
 
 use crate::numbers::{Float, Truth, cases, interval, is_sane, number, reals};
 
-const UNARY: [Unary; 27] = [
+const UNARY: [Unary; 28] = [
     Unary::Neg,
     Unary::Recip,
     Unary::Square,
@@ -33,6 +33,7 @@ const UNARY: [Unary; 27] = [
     Unary::Step(Step::Round),
     Unary::Step(Step::Sign),
     Unary::Smoothstep,
+    Unary::Triangle,
 ];
 
 const BINARY: [Binary; 7] = [
@@ -79,6 +80,7 @@ fn unary_truth(op: Unary, a: f64) -> Option<Truth> {
         Unary::Step(Step::Round) => Truth::exact(a.round()),
         Unary::Step(Step::Sign) if a == 0.0 => Truth::exact(0.0),
         Unary::Step(Step::Sign) => Truth::exact(a.signum()),
+        Unary::Triangle => Truth::exact((a - a.round()).abs()),
         Unary::Smoothstep => {
             let t = a.clamp(0.0, 1.0);
             Truth::within(t * t * (3.0 - 2.0 * t), 4)

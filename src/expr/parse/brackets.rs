@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::{
     super::{
-        Node,
-        lex::{self, Token},
-        syntax,
+        Node, NodeId,
+        lex::{self, Kind, Token},
+        shapes, syntax,
     },
     Call, Frame, Operand, Parser,
 };
@@ -37,10 +37,10 @@ impl Parser<'_> {
             (Some(Frame::Group(open)), Some(Operand { node, .. })) => {
                 Ok(Operand { node, span: open.start..close.span.end })
             }
-            (Some(Frame::Call(Call { name, power, mut args, .. })), last) => {
-                args.extend(last.map(|argument| argument.node));
+            (Some(Frame::Call(Call { name, power, mut args, start, label, .. })), last) => {
+                args.extend(last.map(|argument| self.labelled(label, argument.node)));
                 let function = lex::name(&self.text[name.clone()]).to_owned();
-                let span = name.start..close.span.end;
+                let span = start..close.span.end;
                 let call = Operand { span, ..self.push(Node::Call(function, args), name) };
                 Ok(match power {
                     Some(power) => self.raised(call, power),
@@ -74,13 +74,35 @@ impl Parser<'_> {
         argument: &Operand,
         comma: Range<usize>,
     ) -> Result<(), Diagnostic> {
-        match self.stack.last_mut() {
-            Some(Frame::Call(Call { args, .. })) => {
-                args.push(argument.node);
-                Ok(())
-            }
-            _ => Err(syntax::stray_comma(comma)),
+        let label = match self.stack.last_mut() {
+            Some(Frame::Call(call)) => call.label.take(),
+            _ => return Err(syntax::stray_comma(comma)),
+        };
+        let node = self.labelled(label, argument.node);
+        if let Some(Frame::Call(call)) = self.stack.last_mut() {
+            call.args.push(node);
         }
+        Ok(())
+    }
+
+    /// An argument with the name before its `=`, if it has one.
+    fn labelled(&mut self, label: Option<Range<usize>>, argument: NodeId) -> NodeId {
+        match label {
+            Some(name) => {
+                let text = lex::name(&self.text[name.clone()]).to_owned();
+                self.push(Node::Named(text, argument), name).node
+            }
+            None => argument,
+        }
+    }
+
+    /// Whether the name that was read may name an argument: it stands at the start of one, and the
+    /// call is of a function whose arguments have names.
+    pub(super) fn takes_label(&self) -> bool {
+        let before = self.at.checked_sub(2).map(|at| self.tokens[at].kind);
+        let begins = matches!(before, Some(Kind::Open | Kind::Comma));
+        matches!(self.stack.last(), Some(Frame::Call(call))
+            if begins && call.label.is_none() && shapes::exists(&self.text[call.name.clone()]))
     }
 
     /// The complaint about the innermost open bracket. A bar after a value was perhaps meant to

@@ -21,9 +21,14 @@ use super::{
         lex::{self, Kind, Token},
         syntax,
     },
-    Frame, Operand, Parser,
+    Frame, Operand, Parser, left_power,
 };
 use crate::diagnostic::Diagnostic;
+
+/// Whether a waiting operator holds its operand tighter than a product does.
+fn binds_tighter(frame: &Frame) -> bool {
+    frame.right_power() > left_power(BinaryOp::Mul)
+}
 
 impl Parser<'_> {
     /// The token before the current one, if there is one.
@@ -65,7 +70,7 @@ impl Parser<'_> {
     ) -> Result<(), Diagnostic> {
         // The part of the formula that would be the waiting operator's operand.
         let mut right = left.span.clone();
-        for frame in self.stack.iter().rev().take_while(|frame| frame.right_power() > 3) {
+        for frame in self.stack.iter().rev().take_while(|frame| binds_tighter(frame)) {
             let whole = |start: usize| start..next.span.end;
             match frame {
                 Frame::Minus(minus) => right.start = minus.start,

@@ -1,0 +1,129 @@
+//! What becomes of a formula under strokes: the start, the strokes, and any state between.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{Piece, Sculpture, Tool};
+use crate::{
+    eval::sampler,
+    expr::Tape,
+    hrb::{HrbOctree, Samples, Tolerance},
+    math::{Aabb, SimdLevel},
+    mesh::{Border, Crossing, Mesh},
+};
+
+/// Values of a sculpture are depths below its surface, in samples, up to this.
+pub const DEPTH: f64 = 4.0;
+
+/// A tool and its way.
+#[derive(Clone, Debug)]
+pub struct Stroke {
+    /// With lengths in samples.
+    pub tool: Tool,
+    /// In samples from the first corner.
+    pub pieces: Vec<Piece>,
+}
+
+/// See the file's text.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    start: HrbOctree<f32>,
+    bounds: Aabb,
+    /// Edge of a sample.
+    step: f64,
+    strokes: Vec<Stroke>,
+}
+
+impl Plan {
+    /// Begins with the solid F < 0 in a box, sampled at `n_longest` places along its longest edge; the box
+    /// grows to whole samples. What is undefined is no solid; without a formula there is none.
+    #[must_use]
+    pub fn new(formula: Option<&Tape>, bounds: Aabb, n_longest: u32, strokes: Vec<Stroke>) -> Self {
+        let step = bounds.size().max_element() / f64::from(n_longest);
+        let size = (bounds.size() / step).to_array().map(|n| ((n - 1e-9).ceil() as u32).max(1));
+        let bounds = Aabb {
+            min: bounds.min,
+            max: bounds.min + step * DVec3::from_array(size.map(f64::from)),
+        };
+        let slice = |z: u32| match formula {
+            Some(tape) => depths(tape, &bounds, step, size, z),
+            None => vec![-DEPTH as f32; (size[0] * size[1]) as usize],
+        };
+        let slices: Vec<Vec<f32>> = (0..size[2]).into_par_iter().map(slice).collect();
+        let start = HrbOctree::build(&slices.concat(), size, Tolerance::default());
+        Self { start, bounds, step, strokes }
+    }
+
+    /// How many pieces all strokes have.
+    #[must_use]
+    pub fn n_pieces(&self) -> usize {
+        self.strokes.iter().map(|stroke| stroke.pieces.len()).sum()
+    }
+
+    /// The sculpture after the first `n` pieces.
+    #[must_use]
+    pub fn carved(&self, n: usize) -> Sculpture<f32> {
+        let mut sculpture = Sculpture::new(self.start.clone(), 0.0, Border::Capped);
+        let pieces = self
+            .strokes
+            .iter()
+            .flat_map(|Stroke { tool, pieces }| pieces.iter().map(move |piece| (tool, piece)));
+        pieces.take(n).for_each(|(tool, piece)| sculpture.apply(tool, piece));
+        sculpture
+    }
+
+    /// The mesh of a sculpture of this plan, in scene coordinates.
+    #[must_use]
+    pub fn mesh(&self, sculpture: &Sculpture<f32>) -> Mesh {
+        let extraction = sculpture.extraction();
+        let vertex = |crossing: &Crossing| {
+            let point = DVec3::from_array(crossing.point());
+            let outwards = match crossing.is_cap {
+                true => crossing.outwards(),
+                false => -gradient(sculpture.octree(), point),
+            };
+            let along = || crossing.outwards().normalize_or(DVec3::Z);
+            let normal = outwards.try_normalize().unwrap_or_else(along);
+            let place = self.bounds.min + self.step * point;
+            (place.as_vec3().to_array(), normal.as_vec3().to_array())
+        };
+        let (positions, normals) = extraction.vertices.par_iter().map(vertex).unzip();
+        let triangles = extraction.triangles;
+        let mut mesh = Mesh { positions, normals, triangles, ..Mesh::default() };
+        mesh.drop_unused();
+        mesh
+    }
+}
+
+/// Depths of a slice of samples below F = 0, by F and its gradient there.
+fn depths(tape: &Tape, bounds: &Aabb, step: f64, size: [u32; 3], z: u32) -> Vec<f32> {
+    let slice = Samples { first: [0, 0, z], end: [size[0], size[1], z + 1] };
+    let points: Vec<DVec3> = slice
+        .iter()
+        .map(|p| bounds.min + step * (DVec3::from_array(p.map(f64::from)) + 0.5))
+        .collect();
+    let mut sampler = sampler(SimdLevel::detect());
+    let values = sampler.values(tape, &points);
+    let gradients = sampler.gradients(tape, &points);
+    let depth = |(f, g): (f64, DVec3)| {
+        let slope = g.length() * step;
+        let depth = if slope.is_finite() && slope > 0.0 { -f / slope } else { -f * f64::MAX };
+        // What is undefined is outside; 0 without a slope is on the surface.
+        if f.is_nan() {
+            -DEPTH
+        } else if f == 0.0 {
+            0.0
+        } else {
+            depth.clamp(-DEPTH, DEPTH)
+        }
+    };
+    values.into_iter().zip(gradients).map(|pair| depth(pair) as f32).collect()
+}
+
+/// By differences of values one sample apart.
+fn gradient(octree: &HrbOctree<f32>, point: DVec3) -> DVec3 {
+    let along = |axis: DVec3| {
+        octree.value_at((point + axis).to_array()) - octree.value_at((point - axis).to_array())
+    };
+    DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
+}
