@@ -12,7 +12,7 @@ use clap_complete::Shell;
 
 use super::{evaluate::Evaluation, yields::Measurement};
 use crate::{
-    Result, evaluate, gallery,
+    evaluate, gallery,
     hrb::Criterion,
     math::SimdLevel,
     pipeline::Options,
@@ -130,6 +130,44 @@ struct YieldArgs {
 }
 
 #[derive(Debug, Args)]
+struct GalleryArgs {
+    /// Surfaces to render [default: a list is printed]
+    #[arg(value_name = "NAME")]
+    names: Vec<String>,
+
+    /// Write a page with pictures, equations and models that turn, of the named surfaces or of all, to
+    /// DIR/index.html
+    #[arg(long, value_name = "DIR")]
+    page: Option<PathBuf>,
+
+    /// Write small pictures of the named surfaces or of all to one PNG file
+    #[arg(long, value_name = "FILE")]
+    sheet: Option<PathBuf>,
+
+    /// Give a parameter of the scenes another value, a number or a formula; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    #[arg(conflicts_with_all = ["page", "sheet"])]
+    set: Vec<String>,
+
+    /// Directory for the pictures; created if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+
+    /// Number of threads [default: one for each core]; the result does not depend on it
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// Voxels along the longest axis, instead of what the scenes say
+    #[arg(long, value_name = "N")]
+    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
+    resolution: Option<u32>,
+
+    /// Show no progress, warnings and summary; only mistakes and failures
+    #[arg(long, short, display_order = 100)]
+    quiet: bool,
+}
+
+#[derive(Debug, Args)]
 struct EvaluateArgs {
     /// Models of the thesis (esfera, tronco, silla, jarron, also with :alpha1 or :alpha2), scenes with
     /// volumes, files of samples, or formulas of densities [default: the four models]
@@ -168,55 +206,17 @@ struct EvaluateArgs {
     quiet: bool,
 }
 
-#[derive(Debug, Args)]
-struct GalleryArgs {
-    /// Surfaces to render [default: a list is printed]
-    #[arg(value_name = "NAME")]
-    names: Vec<String>,
-
-    /// Write a page with pictures, equations and models that turn, of the named surfaces or of all, to
-    /// DIR/index.html
-    #[arg(long, value_name = "DIR")]
-    page: Option<PathBuf>,
-
-    /// Write small pictures of the named surfaces or of all to one PNG file
-    #[arg(long, value_name = "FILE")]
-    sheet: Option<PathBuf>,
-
-    /// Give a parameter of the scenes another value, a number or a formula; may be repeated
-    #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
-    #[arg(conflicts_with_all = ["page", "sheet"])]
-    set: Vec<String>,
-
-    /// Directory for the pictures; created if it does not exist
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
-
-    /// Number of threads [default: one for each core]; the result does not depend on it
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-
-    /// Voxels along the longest axis, instead of what the scenes say
-    #[arg(long, value_name = "N")]
-    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
-    resolution: Option<u32>,
-
-    /// Show no progress, warnings and summary; only mistakes and failures
-    #[arg(long, short, display_order = 100)]
-    quiet: bool,
-}
-
 #[derive(Debug, Subcommand)]
 enum Subcommands {
     /// Find every mistake in scene files without rendering them
     Check(Input),
     /// Measure how well threads share the work: a table, and a plot NAME-yield.svg
     Yield(YieldArgs),
+    /// List famous surfaces, render some, or make a page or a sheet of them
+    Gallery(GalleryArgs),
     /// Remake the evaluation of León Salas (2008): a report on space, time and errors of octrees of
     /// samples
     Evaluate(EvaluateArgs),
-    /// List famous surfaces, render some, or make a page or a sheet of them
-    Gallery(GalleryArgs),
     /// Print the JSON Schema of scene files, with which editors complete them
     Schema,
     /// Print a script that makes a shell complete this command
@@ -228,12 +228,12 @@ enum Subcommands {
     Man,
 }
 
-fn finite(text: &str) -> std::result::Result<f64, String> {
+fn finite(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite());
     number.ok_or_else(|| "write a number such as 60 or 0.5".to_owned())
 }
 
-fn criterion(name: &str) -> std::result::Result<Criterion, String> {
+fn criterion(name: &str) -> Result<Criterion, String> {
     match name {
         "range" => Ok(Criterion::Range),
         "deviation" => Ok(Criterion::Deviation),
@@ -241,7 +241,7 @@ fn criterion(name: &str) -> std::result::Result<Criterion, String> {
     }
 }
 
-fn simd_level(name: &str) -> std::result::Result<SimdLevel, String> {
+fn simd_level(name: &str) -> Result<SimdLevel, String> {
     SimdLevel::from_name(name).ok_or_else(|| {
         let available: Vec<_> = SimdLevel::available().into_iter().map(SimdLevel::name).collect();
         format!("this machine has {}", available.join(", "))
@@ -249,7 +249,7 @@ fn simd_level(name: &str) -> std::result::Result<SimdLevel, String> {
 }
 
 /// A number of bytes with one of the endings K, M, G and T, for powers of 1024, or none.
-fn bytes(text: &str) -> std::result::Result<u64, String> {
+fn bytes(text: &str) -> Result<u64, String> {
     let (number, exponent) = match text.find(|c: char| !c.is_ascii_digit()) {
         None => (text, 0),
         Some(end) => match &text[end..] {
@@ -267,7 +267,7 @@ fn bytes(text: &str) -> std::result::Result<u64, String> {
 }
 
 /// `A-B` or a single number, from 1.
-fn frames(text: &str) -> std::result::Result<RangeInclusive<u32>, String> {
+fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
     let (first, last) = text.split_once('-').unwrap_or((text, text));
     match (first.parse(), last.parse()) {
         (Ok(first), Ok(last)) if 1 <= first && first <= last => Ok(first..=last),
@@ -292,12 +292,12 @@ pub(super) enum Plan {
     Check(Scenes),
     /// Measure how well threads share the work.
     Yield(Scenes, Measurement),
-    /// Evaluate octrees of samples.
-    Evaluate(Evaluation),
     /// List the gallery.
     List,
     /// Show the gallery, or some of it.
     Exhibit(Exhibition),
+    /// Evaluate octrees of samples.
+    Evaluate(Evaluation),
     /// Print the schema of scene files.
     Schema,
     /// Print what was made of the definition of the arguments.
@@ -320,8 +320,8 @@ pub(super) struct Exhibition {
 pub(super) struct Scenes {
     /// Files, or names of the gallery.
     pub(super) paths: Vec<PathBuf>,
-    /// What reads one of them, with settings, and whether files outside its folder may be included.
-    pub(super) load: fn(&Path, &[String], bool) -> Result<Scene>,
+    /// What reads one of them, with settings, and files outside its folder if it may.
+    pub(super) load: fn(&Path, &[String], bool) -> crate::Result<Scene>,
     /// Each `name=value`.
     pub(super) settings: Vec<String>,
     /// Whether files outside a scene's folder may be included.
@@ -330,17 +330,17 @@ pub(super) struct Scenes {
 }
 
 /// Reads the command line. The error may be a request for help; it knows its own exit code.
-pub(super) fn parse() -> std::result::Result<Plan, clap::Error> {
+pub(super) fn parse() -> Result<Plan, clap::Error> {
     CommandLine::try_parse().and_then(plan)
 }
 
-fn plan(line: CommandLine) -> std::result::Result<Plan, clap::Error> {
+fn plan(line: CommandLine) -> Result<Plan, clap::Error> {
     Ok(match line.command {
         None => render(line.render),
         Some(Subcommands::Check(input)) => Plan::Check(scenes(input)),
         Some(Subcommands::Yield(args)) => measure(args),
-        Some(Subcommands::Evaluate(args)) => Plan::Evaluate(evaluation(args)),
         Some(Subcommands::Gallery(args)) => exhibit(args),
+        Some(Subcommands::Evaluate(args)) => Plan::Evaluate(evaluation(args)),
         Some(Subcommands::Schema) => Plan::Schema,
         Some(Subcommands::Completions { shell }) => Plan::Print(completions(shell)),
         Some(Subcommands::Man) => Plan::Print(manual()?),
@@ -382,9 +382,13 @@ fn exhibit(args: GalleryArgs) -> Plan {
         return Plan::List;
     }
     let paths = names.into_iter().map(PathBuf::from).collect();
-    // Scenes of the gallery include nothing.
-    let load = |name: &Path, settings: &[String], _| gallery::load(name, settings);
-    let scenes = Scenes { paths, load, settings: set, allow_outside: false, quiet };
+    let scenes = Scenes {
+        paths,
+        load: |name, settings, _| gallery::load(name, settings),
+        settings: set,
+        allow_outside: false,
+        quiet,
+    };
     Plan::Render { scenes, options, stats: StatsTarget::Nowhere }
 }
 
@@ -411,8 +415,13 @@ fn evaluation(args: EvaluateArgs) -> Evaluation {
 }
 
 fn scenes(input: Input) -> Scenes {
-    let Input { scenes, set, allow_outside, quiet } = input;
-    Scenes { paths: scenes, load: scene::load_with, settings: set, allow_outside, quiet }
+    Scenes {
+        paths: input.scenes,
+        load: scene::load_with,
+        settings: input.set,
+        allow_outside: input.allow_outside,
+        quiet: input.quiet,
+    }
 }
 
 fn completions(shell: Shell) -> Vec<u8> {
@@ -421,7 +430,7 @@ fn completions(shell: Shell) -> Vec<u8> {
     script
 }
 
-fn manual() -> std::result::Result<Vec<u8>, clap::Error> {
+fn manual() -> Result<Vec<u8>, clap::Error> {
     let mut page = Vec::new();
     clap_mangen::Man::new(CommandLine::command()).render(&mut page)?;
     Ok(page)

@@ -66,7 +66,8 @@ impl Session {
 
     fn render(&mut self, path: &Path) -> Result<()> {
         let start = Instant::now();
-        let scene = (self.scenes.load)(path, &self.scenes.settings, self.scenes.allow_outside)?;
+        let Scenes { load, settings, allow_outside, .. } = &self.scenes;
+        let scene = load(path, settings, *allow_outside)?;
         if !self.scenes.quiet {
             report::warnings(&scene);
         }
