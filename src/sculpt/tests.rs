@@ -45,16 +45,15 @@ fn tool(kind: u64, radius: f64, strength: f64) -> Tool {
         5 => Deed::Twist { axis: DVec3::Z, angle: 1.0 },
         _ => Deed::Drag,
     };
-    let shape = if kind / 7 % 2 == 0 { Shape::Ball } else { Shape::Cube };
+    let shape = if (kind / 7).is_multiple_of(2) { Shape::Ball } else { Shape::Cube };
     let falloff = [Falloff::Linear, Falloff::Smooth, Falloff::Hard][(kind / 14 % 3) as usize];
     Tool { shape, deed, radius, strength, falloff, range: [0.0, 255.0] }
 }
 
-fn random_strokes(
-    n: u32,
-    strokes: &[(u64, [f64; 3], [f64; 3], f64, f64)],
-    border: Border,
-) -> Result<(), TestCaseError> {
+/// A tool's kind, where it begins and which way it goes, in parts of the edge, its radius and strength.
+type Made = (u64, [f64; 3], [f64; 3], f64, f64);
+
+fn random_strokes(n: u32, strokes: &[Made], border: Border) -> Result<(), TestCaseError> {
     let octree = HrbOctree::build(&ball(n), [n; 3], Tolerance::default());
     let mut sculpture = Sculpture::new(octree, 128.0, border);
     check(&sculpture, border)?;
