@@ -104,7 +104,8 @@ impl Lower<'_> {
             [] => (self.view(&spec.camera), Motion::Turn { degrees: turn }),
             keys => self.along(keys, animation, &spec.camera, n_frames),
         };
-        if motion == Motion::Still && animation.params.spec.is_empty() {
+        let is_filmed = spec.sculptures.iter().any(|section| section.spec.film == Some(true));
+        if motion == Motion::Still && animation.params.spec.is_empty() && !is_filmed {
             self.warnings.push(
                 Diagnostic::new(section.span.clone(), "nothing moves in the film")
                     .help("add `turntable`, [animation.params] or [[animation.key]]"),

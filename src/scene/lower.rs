@@ -113,8 +113,7 @@ impl<'a> Lower<'a> {
         let n_before = spec.surfaces.len() + spec.models.len();
         let (of_volumes, isosurfaces) = self.volumes(&spec.volumes, n_before);
         let carvings = self.carvings(&spec.sculptures, n_before + spec.volumes.len());
-        let carved = carvings.iter().map(|carving| carving.at(1.0));
-        let (of_carvings, carved): (Vec<_>, Vec<_>) = carved.unzip();
+        let (of_carvings, carved) = self.carved(&spec.sculptures, &carvings);
         Scene {
             name: name.to_owned(),
             about: about(&spec.about.spec),

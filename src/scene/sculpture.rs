@@ -95,6 +95,29 @@ impl Lower<'_> {
         Some(Carving { name, material, plan: plan.into(), is_filmed })
     }
 
+    /// The sculptures when all is done, as polygons and as meshes.
+    pub(super) fn carved(
+        &mut self,
+        specs: &[Section<SculptureSpec>],
+        carvings: &[Carving],
+    ) -> (Vec<Model>, Vec<Mesh>) {
+        let carved: Vec<(Model, Mesh)> = carvings.iter().map(|carving| carving.at(1.0)).collect();
+        // After a mistake some are missing, and there is no picture.
+        if carvings.len() == specs.len() {
+            for (section, (_, mesh)) in specs.iter().zip(&carved) {
+                if mesh.triangles.is_empty() {
+                    self.errors.push(
+                        Diagnostic::new(section.span.clone(), "nothing is left of the sculpture")
+                            .help(
+                                "begin with a solid, as in f = \"x^2 + y^2 + z^2 - 0.5\", or fill",
+                            ),
+                    );
+                }
+            }
+        }
+        carved.into_iter().unzip()
+    }
+
     /// A stroke and its mirror image, if it has one, piece by piece.
     fn stroke(
         &mut self,
