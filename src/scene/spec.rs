@@ -21,6 +21,9 @@ pub(super) const VERSION: &str = "1";
 // `version` is missing here: it is looked at before anything else.
 #[derive(Debug, Default, JsonSchema)]
 #[schemars(deny_unknown_fields)]
+#[schemars(extend("anyOf" = [
+    { "required": ["surface"] }, { "required": ["volume"] }, { "required": ["sculpture"] },
+]))]
 pub(super) struct SceneSpec {
     #[schemars(default)]
     pub(super) about: Section<AboutSpec>,
