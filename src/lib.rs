@@ -89,6 +89,7 @@ pub mod hrb;
 pub mod isosurface;
 pub mod limits;
 pub mod math;
+pub mod memory;
 pub mod mesh;
 pub mod meshing;
 pub mod octree;

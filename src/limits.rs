@@ -1,16 +1,15 @@
 //! What the machine holds, asked before it is taken.
 
-use std::fs;
-
 use crate::{
     Error, Result,
     math::Lattice,
+    memory::{self, mebibytes},
     octree::{StorageKind, dense_grid_bytes},
     raster::ImageSettings,
 };
 
-/// The part of the machine's memory that a run may take if the user does not say.
-const SHARE: f64 = 0.75;
+pub use crate::memory::peak_bytes as peak_memory_bytes;
+
 /// Bytes a voxel takes while the octree is put together: its parts and the whole at once.
 const BYTES_PER_VOXEL: u64 = 11;
 /// Bytes a voxel takes at most in another storage, besides the octree that it is made from.
@@ -29,9 +28,7 @@ impl Memory {
     /// As many bytes as given, or three quarters of the machine's.
     #[must_use]
     pub fn new(max_bytes: Option<u64>) -> Self {
-        let of_machine =
-            || Some((1024.0 * SHARE * kibibytes("/proc/meminfo", "MemTotal:")? as f64) as u64);
-        Self { bytes: max_bytes.or_else(of_machine) }
+        Self { bytes: max_bytes.or_else(memory::usual) }
     }
 
     /// Whether a picture of this size fits.
@@ -132,23 +129,6 @@ fn grid_bytes(storage: StorageKind, depth: u32) -> u64 {
         StorageKind::Morton | StorageKind::Pointer => 0,
         StorageKind::Dense => dense_grid_bytes(depth),
     }
-}
-
-fn mebibytes(bytes: u64) -> String {
-    format!("{} MiB", bytes >> 20)
-}
-
-/// The most memory this process has held; nothing where the system does not tell (all but Linux).
-#[must_use]
-pub fn peak_memory_bytes() -> Option<u64> {
-    Some(1024 * kibibytes("/proc/self/status", "VmHWM:")?)
-}
-
-/// The number behind `key` in one of the kernel's tables.
-fn kibibytes(table: &str, key: &str) -> Option<u64> {
-    let text = fs::read_to_string(table).ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
-    line.trim().strip_suffix("kB")?.trim().parse().ok()
 }
 
 #[cfg(test)]

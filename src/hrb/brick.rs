@@ -1,12 +1,10 @@
 //! A divided node of 8³ samples: which of its parts are divided, and the values of its regions.
 
-use std::sync::LazyLock;
-
 use super::{
     octree::{Region, Storage, octant},
     sample::Value,
 };
-use crate::mesh::{SIDE, VOXELS};
+use crate::mesh::{SIDE, Slices, VOXELS, index_of, slices};
 
 /// See the file's text.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +13,7 @@ pub(super) struct Brick<V> {
     pub(super) fours: u8,
     /// Bit 8c + d: part d of 2³ samples of it is divided; only where it is divided itself.
     pub(super) twos: u64,
-    /// The values of the regions, in Morton order.
+    /// The values of the regions: in Morton order or, where all are single samples, x fastest.
     pub(super) values: Box<[V]>,
     /// Of each region, the corners that it answers for; empty before they are assigned.
     pub(super) corners: Box<[u8]>,
@@ -24,18 +22,28 @@ pub(super) struct Brick<V> {
 }
 
 /// Where the samples of a brick, in Morton order, stand in it, x fastest.
-static PLACES: LazyLock<[u16; VOXELS]> = LazyLock::new(|| {
-    std::array::from_fn(|m| {
-        let bit = |from: usize, to: usize| (m >> from & 1) << to;
-        let [x, y, z] = [0, 1, 2].map(|axis| bit(axis, 0) | bit(axis + 3, 1) | bit(axis + 6, 2));
-        (x + 8 * y + 64 * z) as u16
-    })
-});
+pub(super) const PLACES: [u16; VOXELS] = {
+    let mut places = [0; VOXELS];
+    let mut m = 0;
+    while m < VOXELS {
+        // Bit 3i + axis becomes bit i + 3 axis.
+        let mut bit = 0;
+        while bit < 9 {
+            places[m] |= ((m >> bit & 1) << (bit / 3 + 3 * (bit % 3))) as u16;
+            bit += 1;
+        }
+        m += 1;
+    }
+    places
+};
 
 impl<V: Value> Brick<V> {
     /// The number of the region that holds a sample, and its level.
     #[inline]
     fn find(&self, p: [u32; 3]) -> (usize, u8) {
+        if self.is_finest() {
+            return (index_of(p), 0);
+        }
         let (c, d) = (octant(p, 2), octant(p, 1));
         let of_four = c
             + 7 * (self.fours & ((1 << c) - 1)).count_ones() as usize
@@ -60,6 +68,48 @@ impl<V: Value> Brick<V> {
         }
     }
 
+    /// The value of the region that holds a sample, counted x fastest.
+    #[inline]
+    pub(super) fn value(&self, index: usize) -> V {
+        let number = if self.is_finest() { index } else { self.find(place_of(index)).0 };
+        self.values[number]
+    }
+
+    /// The level of that region.
+    #[inline]
+    pub(super) fn level(&self, index: usize) -> u8 {
+        if self.is_finest() { 0 } else { self.find(place_of(index)).1 }
+    }
+
+    /// Which samples have regions with such a value.
+    #[inline]
+    pub(super) fn slices(&self, is: impl Fn(V) -> bool) -> Slices {
+        if self.is_finest() {
+            return slices(&self.values, |value| is(*value));
+        }
+        let mut slices = [0; SIDE as usize];
+        self.regions(|number, first, level| {
+            if is(self.values[number]) {
+                mark(&mut slices, first, level);
+            }
+        });
+        slices
+    }
+
+    /// Which samples have regions that are larger than they are.
+    #[inline]
+    pub(super) fn coarse(&self) -> Slices {
+        let mut slices = [0; SIDE as usize];
+        if !self.is_finest() {
+            self.regions(|_, first, level| {
+                if level > 0 {
+                    mark(&mut slices, first, level);
+                }
+            });
+        }
+        slices
+    }
+
     /// Whether all regions are single samples.
     #[inline]
     pub(super) fn is_finest(&self) -> bool {
@@ -70,10 +120,13 @@ impl<V: Value> Brick<V> {
     /// fastest, and its level.
     #[inline]
     pub(super) fn regions(&self, mut tell: impl FnMut(usize, usize, u8)) {
-        let places = &*PLACES;
+        if self.is_finest() {
+            (0..VOXELS).for_each(|place| tell(place, place, 0));
+            return;
+        }
         let mut number = 0;
         let mut next = |m: usize, level: u8| {
-            tell(number, places[m].into(), level);
+            tell(number, PLACES[m].into(), level);
             number += 1;
         };
         for c in 0..8 {
@@ -91,23 +144,6 @@ impl<V: Value> Brick<V> {
         }
     }
 
-    /// Writes `of(value)` for every sample, x fastest.
-    #[inline]
-    pub(super) fn spread<T: Copy>(&self, of: impl Fn(V) -> T, all: &mut [T; VOXELS]) {
-        if self.is_finest() {
-            for (&value, &place) in self.values.iter().zip(&*PLACES) {
-                all[usize::from(place) % VOXELS] = of(value);
-            }
-            return;
-        }
-        self.regions(|number, first, level| fill(all, first, level, of(self.values[number])));
-    }
-
-    /// Writes the level of the region of every sample, x fastest.
-    pub(super) fn levels(&self, levels: &mut [u8; VOXELS]) {
-        self.regions(|_, first, level| fill(levels, first, level, level));
-    }
-
     pub(super) fn count(&self, storage: &mut Storage) {
         storage.nodes += u64::from(1 + self.fours.count_ones() + self.twos.count_ones());
         storage.regions += self.values.len() as u64;
@@ -117,14 +153,18 @@ impl<V: Value> Brick<V> {
     }
 }
 
-/// Fills a cube of a brick.
+/// The place of a sample in its brick.
 #[inline]
-fn fill<T: Copy>(all: &mut [T; VOXELS], first: usize, level: u8, value: T) {
-    let (side, n) = (SIDE as usize, 1 << level);
-    for z in 0..n {
-        for y in 0..n {
-            let row = first + side * (y + side * z);
-            all[row..row + n].fill(value);
-        }
+fn place_of(index: usize) -> [u32; 3] {
+    [index % 8, index / 8 % 8, index / 64].map(|i| i as u32)
+}
+
+/// Sets the bits of a cube of a brick.
+#[inline]
+fn mark(slices: &mut Slices, first: usize, level: u8) {
+    const SQUARES: [u64; 3] = [1, 0x0303, 0x0f0f_0f0f];
+    let (z, level) = (first / 64, usize::from(level));
+    for slice in &mut slices[z..z + (1 << level)] {
+        *slice |= SQUARES[level] << (first % 64);
     }
 }

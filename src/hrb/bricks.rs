@@ -5,9 +5,10 @@ use rustc_hash::FxHashSet;
 
 use super::{
     HrbOctree, Samples, Value,
+    near::{Beyond, NearBrick, NearVoxels},
     octree::{BRICK_LEVEL, Tree, child},
 };
-use crate::mesh::{Border, Brick, Grid, SIDE, VOXELS, offset};
+use crate::mesh::{Border, Brick, Grid, SIDE, Voxels};
 
 /// Some samples of a brick are inside, some are not.
 const INSIDE: u8 = 1;
@@ -26,7 +27,7 @@ struct Sides {
 impl<V: Value> HrbOctree<V> {
     /// Everything that a mesh of the isosurface needs: what is `isovalue` or above is inside.
     #[must_use]
-    pub fn grid(&self, isovalue: f64, border: Border) -> Grid {
+    pub fn grid(&self, isovalue: f64, border: Border) -> Grid<NearVoxels<'_, V>> {
         let end = self.size.map(|n| n.div_ceil(SIDE) + 2);
         self.grid_within(isovalue, border, [0; 3], end)
     }
@@ -38,12 +39,12 @@ impl<V: Value> HrbOctree<V> {
         border: Border,
         first: [u32; 3],
         end: [u32; 3],
-    ) -> Grid {
+    ) -> Grid<NearVoxels<'_, V>> {
         let sides = self.sides(isovalue, border, first, end);
         let brick = |&slot: &usize| self.brick(sides.place(slot), isovalue, border);
         let (mixed, others): (Vec<usize>, Vec<usize>) =
             sides.near().into_iter().partition(|&slot| sides.sides[slot] == BOTH);
-        let mut bricks: Vec<Brick> = mixed.par_iter().map(brick).collect();
+        let mut bricks: Vec<NearBrick<'_, V>> = mixed.par_iter().map(brick).collect();
         let mut numbers = vec![usize::MAX; sides.sides.len()];
         mixed.iter().enumerate().for_each(|(number, &slot)| numbers[slot] = number);
         let is_met = |slot: &&usize| {
@@ -51,7 +52,7 @@ impl<V: Value> HrbOctree<V> {
             self.whole_brick(sides.place(**slot)).is_none()
                 || sides.is_met(**slot, |slot| bricks.get(numbers[slot]))
         };
-        let met: Vec<Brick> = others.par_iter().filter(is_met).map(brick).collect();
+        let met: Vec<NearBrick<'_, V>> = others.par_iter().filter(is_met).map(brick).collect();
         bricks.extend(met);
         let mut places: FxHashSet<[u32; 3]> = bricks.iter().map(|brick| brick.place).collect();
         let mut bases = Vec::new();
@@ -193,72 +194,15 @@ impl<V: Value> HrbOctree<V> {
     }
 
     /// The values and levels of a brick.
-    pub(super) fn brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> Brick {
-        let Some(first) = self.whole_brick(place) else {
-            return self.border_brick(place, isovalue, border);
+    pub(super) fn brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> NearBrick<'_, V> {
+        let (beyond, first) = match self.whole_brick(place) {
+            Some(first) => (None, first),
+            None => {
+                let (beyond, first) = Beyond::new(place, self.size, border);
+                (Some(beyond), first)
+            }
         };
-        match self.brick_at(first) {
-            (Tree::Region { value, .. }, level) => {
-                Brick::new(place, &[offset(value.to_f64(), isovalue)], &[level])
-            }
-            (Tree::Brick(brick), _) if brick.is_finest() => {
-                Brick::new(place, &self.offsets(first, isovalue), &[0])
-            }
-            _ => Brick::new(place, &self.offsets(first, isovalue), &self.levels(first)),
-        }
-    }
-
-    /// The values at the samples of the brick that begins there.
-    fn offsets(&self, first: [u32; 3], isovalue: f64) -> [f32; VOXELS] {
-        let of = |value: V| offset(value.to_f64(), isovalue);
-        let mut offsets = [0.0; VOXELS];
-        match self.brick_at(first).0 {
-            Tree::Region { value, .. } => offsets = [of(*value); VOXELS],
-            Tree::Brick(brick) => brick.spread(of, &mut offsets),
-            Tree::Node(_) => unreachable!("nodes end in bricks and regions"),
-        }
-        offsets
-    }
-
-    /// The levels of the regions of the samples of the brick that begins there.
-    fn levels(&self, first: [u32; 3]) -> [u8; VOXELS] {
-        let mut levels = [0; VOXELS];
-        match self.brick_at(first) {
-            (Tree::Brick(brick), _) => brick.levels(&mut levels),
-            (_, level) => levels = [level; VOXELS],
-        }
-        levels
-    }
-
-    /// A brick with phantoms: what lies beyond the volume is like the samples at its border, which are
-    /// those of one brick.
-    fn border_brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> Brick {
-        let at = |axis: usize, i: usize| place[axis] * SIDE + i as u32;
-        let clamped = |axis: usize, i| at(axis, i).clamp(SIDE, SIDE + self.size[axis] - 1) - SIDE;
-        let first = [0, 1, 2].map(|axis| clamped(axis, 0) / SIDE * SIDE);
-        let (offsets, levels) = (self.offsets(first, isovalue), self.levels(first));
-        let side = SIDE as usize;
-        let [places, beyond] = {
-            let mut places = [[0; SIDE as usize]; 3];
-            let mut beyond = places;
-            for axis in 0..3 {
-                for i in 0..side {
-                    places[axis][i] = (clamped(axis, i) - first[axis]) as usize;
-                    beyond[axis][i] = usize::from(clamped(axis, i) + SIDE != at(axis, i));
-                }
-            }
-            [places, beyond]
-        };
-        let (mut own_offsets, mut own_levels) = ([0.0; VOXELS], [0; VOXELS]);
-        for i in 0..VOXELS {
-            let [x, y, z] = [i % side, i / side % side, i / side / side];
-            let from = places[0][x] + side * (places[1][y] + side * places[2][z]);
-            let is_beyond = beyond[0][x] + beyond[1][y] + beyond[2][z] > 0;
-            let is_outside = is_beyond && border == Border::Capped;
-            own_offsets[i] = if is_outside { f32::MIN } else { offsets[from] };
-            own_levels[i] = levels[from];
-        }
-        Brick::new(place, &own_offsets, &own_levels)
+        NearVoxels::brick(place, self.brick_at(first), isovalue, beyond)
     }
 }
 
@@ -274,14 +218,16 @@ impl Sides {
     fn near(&self) -> Vec<usize> {
         let mut near = self.sides.clone();
         // One axis after the other.
-        for axis in 0..3 {
-            let step = [1, self.n[0], self.n[0] * self.n[1]][axis];
+        let [nx, ny, _] = self.n;
+        for (step, layer) in [(1, nx), (nx, nx * ny), (nx * ny, near.len())] {
             let before = near.clone();
-            for (slot, side) in near.iter_mut().enumerate() {
-                let at = slot / step % self.n[axis];
-                let lower = if at > 0 { before[slot - step] } else { 0 };
-                let upper = if at + 1 < self.n[axis] { before[slot + step] } else { 0 };
-                *side |= lower | upper;
+            for (own, before) in near.chunks_exact_mut(layer).zip(before.chunks_exact(layer)) {
+                for (side, lower) in own[step..].iter_mut().zip(before) {
+                    *side |= lower;
+                }
+                for (side, upper) in own.iter_mut().zip(&before[step..]) {
+                    *side |= upper;
+                }
             }
         }
         (0..near.len()).filter(|&slot| near[slot] == BOTH).collect()
@@ -289,7 +235,11 @@ impl Sides {
 
     /// Whether samples next to a brick that is on one side are on the other; `mixed` has the bricks
     /// on both sides.
-    fn is_met<'a>(&self, slot: usize, mixed: impl Fn(usize) -> Option<&'a Brick>) -> bool {
+    fn is_met<'a, B: Voxels + 'a>(
+        &self,
+        slot: usize,
+        mixed: impl Fn(usize) -> Option<&'a Brick<B>>,
+    ) -> bool {
         let place = self.place(slot);
         (0..27).any(|k| {
             let step = [k % 3, k / 3 % 3, k / 9];

@@ -8,7 +8,9 @@ mod build;
 mod corners;
 mod edit;
 mod evaluate;
+mod near;
 mod octree;
+mod parts;
 mod sample;
 #[cfg(test)]
 mod tests;
@@ -16,5 +18,6 @@ mod whole;
 
 pub use build::{Criterion, Tolerance};
 pub use edit::Samples;
+pub use near::NearVoxels;
 pub use octree::{HrbOctree, Region, Storage};
 pub use sample::{Fixed8, Sample, Value};
