@@ -23,7 +23,6 @@ use super::{
     grid::{Border, Grid, Leaf, RUN, SIDE, VOXELS, index_of},
     halo::{Halo, WIDTH},
 };
-use crate::math::morton_encode;
 
 /// Cut edges stay away from both ends of the zone in which they are looked for by this part of it:
 /// large enough for f32 to tell them apart in grids of 16384 voxels, so that values equal to the
@@ -84,14 +83,8 @@ pub fn extract<T: Copy + Default + Send>(
     let halos: Vec<Halo<'_>> =
         (0..n).into_par_iter().map(|number| Halo::new(grid, number)).collect();
     let cuts = Cuts::of_all(grid, &halos);
-    let mut n_vertices = 0;
-    let firsts: Vec<u32> = cuts
-        .iter()
-        .map(|cuts| {
-            n_vertices += cuts.count();
-            n_vertices - cuts.count()
-        })
-        .collect();
+    let firsts = Cuts::firsts(&cuts);
+    let n_vertices: u32 = cuts.iter().map(Cuts::count).sum();
     let edges = Edges { grid, cuts, firsts };
     let mut vertices = vec![T::default(); n_vertices as usize];
     let mut rest = vertices.as_mut_slice();
@@ -121,67 +114,77 @@ pub fn extract<T: Copy + Default + Send>(
     Extraction { vertices, triangles: triangles.concat() }
 }
 
-/// A dual edge, whatever else the grid holds: the Morton code of its owner's brick, times 2^12, and
-/// its place in that.
-pub type EdgeKey = u64;
-
-/// What a brick gives to a mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BrickMesh {
-    /// Its Morton code.
-    pub brick: u64,
-    /// In order of their edges.
-    pub vertices: Vec<(EdgeKey, Crossing)>,
-    /// In order of their cells.
-    pub triangles: Vec<[EdgeKey; 3]>,
+/// Some bricks of a grid, extracted by themselves.
+pub(super) struct Parts {
+    /// Of all bricks of the grid, the edges that are cut.
+    pub(super) cuts: Vec<Cuts>,
+    /// The number of the first vertex of each brick.
+    pub(super) firsts: Vec<u32>,
+    /// The vertices and triangles of runs of wanted bricks.
+    pub(super) runs: Vec<Run>,
 }
 
-/// Bits of a key for the place of an edge in its brick.
-const EDGE_BITS: u32 = 12;
-
-/// The Morton code of the brick of an edge.
-pub(super) fn brick_of(key: EdgeKey) -> u64 {
-    key >> EDGE_BITS
+/// What some bricks give to a mesh.
+pub(super) struct Run {
+    /// The numbers of the bricks, and how many triangles each has.
+    pub(super) bricks: Vec<(usize, usize)>,
+    /// All vertices of one brick after the other.
+    pub(super) vertices: Vec<Crossing>,
+    /// The same for triangles.
+    pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// The parts of a mesh that `wanted` bricks give, in Morton order, without those that give nothing.
-/// The bricks around them must be complete in the grid.
-#[must_use]
-pub fn extract_bricks(grid: &Grid, wanted: impl Fn([u32; 3]) -> bool + Sync) -> Vec<BrickMesh> {
-    let n = grid.bricks.len();
-    let halos: Vec<Halo<'_>> =
-        (0..n).into_par_iter().map(|number| Halo::new(grid, number)).collect();
-    let cuts = Cuts::of_all(grid, &halos);
-    let mut keys = Vec::new();
-    let mut firsts = Vec::with_capacity(n);
-    for (brick, cuts) in grid.bricks.iter().zip(&cuts) {
-        firsts.push(keys.len() as u32);
-        let of_brick = morton_encode(brick.place) << EDGE_BITS;
-        keys.extend(cuts.slots().map(|slot| of_brick | slot as u64));
-    }
-    let edges = Edges { grid, cuts, firsts };
-    let of_brick = |numbers: &mut Numbers, number: usize| {
-        let (halo, first) = (&halos[number], edges.firsts[number] as usize);
-        let vertices = keys[first..].iter().copied().zip(edges.crossings(halo, number)).collect();
-        let mut triangles = Vec::new();
-        edges.triangles(halo, numbers, &mut triangles);
-        let triangles = triangles.iter().map(|corners| corners.map(|v| keys[v as usize])).collect();
-        BrickMesh { brick: morton_encode(grid.bricks[number].place), vertices, triangles }
+/// What the `wanted` bricks of a grid, in order, give to a mesh; `known` has the cut edges of others,
+/// if any. All around a wanted brick must be there.
+pub(super) fn extract_parts(
+    grid: &Grid,
+    wanted: &[usize],
+    known: impl Fn(usize) -> Option<Cuts>,
+) -> Parts {
+    let halos: Vec<Halo<'_>> = wanted.par_iter().map(|&number| Halo::new(grid, number)).collect();
+    let (found, far): (Vec<Cuts>, Vec<Vec<DualEdge>>) = halos.par_iter().map(Cuts::of).unzip();
+    let mut found = wanted.iter().zip(found).peekable();
+    let of_brick = |number| match found.next_if(|&(&wanted, _)| wanted == number) {
+        Some((_, cuts)) => cuts,
+        None => known(number).unwrap_or_default(),
     };
-    (0..n)
-        .into_par_iter()
-        .filter(|&number| wanted(grid.bricks[number].place))
-        .map_init(Numbers::default, of_brick)
-        .filter(|mesh| !mesh.vertices.is_empty() || !mesh.triangles.is_empty())
-        .collect()
+    let mut cuts: Vec<Cuts> = (0..grid.bricks.len()).map(of_brick).collect();
+    Cuts::mark_far(&mut cuts, grid, far.iter().flatten());
+    wanted.iter().for_each(|&number| cuts[number].number());
+    let firsts = Cuts::firsts(&cuts);
+    let edges = Edges { grid, cuts, firsts };
+    let run = |(wanted, halos): (&[usize], &[Halo<'_>])| {
+        let n: u32 = wanted.iter().map(|&number| edges.cuts[number].count()).sum();
+        let mut vertices = Vec::with_capacity(n as usize);
+        let mut triangles = Vec::with_capacity(5 * n as usize / 2);
+        let mut numbers = Numbers::default();
+        let of_brick = |(&number, halo): (&usize, &Halo<'_>)| {
+            let before = triangles.len();
+            vertices.extend(edges.crossings(halo, number));
+            edges.triangles(halo, &mut numbers, &mut triangles);
+            (number, triangles.len() - before)
+        };
+        let bricks = wanted.iter().zip(halos).map(of_brick).collect();
+        Run { bricks, vertices, triangles }
+    };
+    let runs = wanted.par_chunks(RUN).zip(halos.par_chunks(RUN)).map(run).collect();
+    let Edges { cuts, firsts, .. } = edges;
+    Parts { cuts, firsts, runs }
 }
 
 /// Which dual edges of a brick's own are cut.
-struct Cuts {
+#[derive(Clone, Debug)]
+pub(super) struct Cuts {
     /// Bit voxel + 512 direction.
     bits: Box<[u64; WORDS]>,
     /// Set bits before each word.
     before: Box<[u16; WORDS]>,
+}
+
+impl Default for Cuts {
+    fn default() -> Self {
+        Self { bits: Box::new([0; WORDS]), before: Box::new([0; WORDS]) }
+    }
 }
 
 impl Cuts {
@@ -189,18 +192,33 @@ impl Cuts {
     fn of_all(grid: &Grid, halos: &[Halo<'_>]) -> Vec<Self> {
         let (mut cuts, far): (Vec<Self>, Vec<Vec<DualEdge>>) =
             halos.par_iter().map(Self::of).unzip();
-        for edge in far.iter().flatten() {
-            if let Some(number) = grid.number_at(edge.owner.base.map(|i| i / SIDE)) {
-                cuts[number as usize].mark(edge);
-            }
-        }
+        Self::mark_far(&mut cuts, grid, far.iter().flatten());
         cuts.par_iter_mut().for_each(Self::number);
         cuts
     }
 
+    /// Marks edges whose owners begin in other bricks than they were found in.
+    fn mark_far<'a>(cuts: &mut [Self], grid: &Grid, far: impl IntoIterator<Item = &'a DualEdge>) {
+        for edge in far {
+            if let Some(number) = grid.number_at(edge.owner.base.map(|i| i / SIDE)) {
+                cuts[number as usize].mark(edge);
+            }
+        }
+    }
+
+    /// The number of the first edge of each brick, if all are numbered one after the other.
+    fn firsts(cuts: &[Self]) -> Vec<u32> {
+        let mut n = 0;
+        let first = |cuts: &Self| {
+            n += cuts.count();
+            n - cuts.count()
+        };
+        cuts.iter().map(first).collect()
+    }
+
     /// Those of a brick, and edges whose owners are larger than bricks and begin in another.
     fn of(halo: &Halo<'_>) -> (Self, Vec<DualEdge>) {
-        let mut cuts = Self { bits: Box::new([0; WORDS]), before: Box::new([0; WORDS]) };
+        let mut cuts = Self::default();
         let mut far = Vec::new();
         let bits = &mut cuts.bits;
         for axis in 0..3 {
@@ -261,7 +279,7 @@ impl Cuts {
         })
     }
 
-    fn count(&self) -> u32 {
+    pub(super) fn count(&self) -> u32 {
         u32::from(self.before[WORDS - 1]) + self.bits[WORDS - 1].count_ones()
     }
 
@@ -271,6 +289,23 @@ impl Cuts {
         let (word, bit) = (slot / 64, slot % 64);
         debug_assert!(self.bits[word] >> bit & 1 == 1, "every cut edge was marked");
         u32::from(self.before[word]) + (self.bits[word] & ((1 << bit) - 1)).count_ones()
+    }
+
+    /// Of every edge that is cut here or in another, in order, whether it is here and whether there.
+    pub(super) fn merge(&self, other: &Self, mut tell: impl FnMut(bool, bool)) {
+        for (&own, &others) in self.bits.iter().zip(&*other.bits) {
+            let mut rest = own | others;
+            while rest != 0 {
+                let bit = rest & rest.wrapping_neg();
+                rest ^= bit;
+                tell(own & bit != 0, others & bit != 0);
+            }
+        }
+    }
+
+    /// Whether an edge of a voxel is cut.
+    pub(super) fn has_vertices_at(&self, voxel: usize) -> bool {
+        (0..DIRECTIONS).any(|k| self.bits[(VOXELS * k + voxel) / 64] >> (voxel % 64) & 1 == 1)
     }
 
     /// Calls `tell` with each cut edge of a word and its number, in order; `of` has bits for those

@@ -87,6 +87,12 @@ impl Brick {
         self.levels[if self.levels.len() == 1 { 0 } else { index }]
     }
 
+    /// Whether a voxel is as large as a brick, or larger.
+    fn has_large(&self) -> bool {
+        // Then it is the only one.
+        1 << self.levels[0] >= SIDE
+    }
+
     /// Whether a voxel beside another brick is inside, or outside; this one is the one number
     /// x, y, z of the 27 around that.
     pub(crate) fn meets(&self, [x, y, z]: [usize; 3], inside: bool) -> bool {
@@ -108,7 +114,11 @@ fn bits<T>(all: &[T], is: impl Fn(&T) -> bool) -> [u64; SIDE as usize] {
         [one] => bits = [if is(one) { u64::MAX } else { 0 }; SIDE as usize],
         many => {
             for (slice, of_slice) in bits.iter_mut().zip(many.chunks_exact(64)) {
-                *slice = (0..64).fold(0, |bits, i| bits | u64::from(is(&of_slice[i])) << i);
+                for (i, row) in of_slice.chunks_exact(8).enumerate() {
+                    // Eight bytes of 0 or 1, and a product that has them side by side on top.
+                    let row = u64::from_le_bytes(std::array::from_fn(|x| u8::from(is(&row[x]))));
+                    *slice |= (row.wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * i);
+                }
             }
         }
     }
@@ -153,6 +163,19 @@ impl Grid {
         let key = morton_encode(place);
         let found = self.bricks.binary_search_by_key(&key, |brick| morton_encode(brick.place));
         found.ok().map(|number| number as u32)
+    }
+
+    /// Whether a brick, or one around it, has a voxel as large as a brick.
+    pub(super) fn is_beside_large(&self, number: usize) -> bool {
+        let around =
+            self.around[number].iter().filter_map(|&beside| self.bricks.get(beside as usize));
+        around.into_iter().any(Brick::has_large)
+    }
+
+    /// Whether nowhere a voxel is as large as a brick.
+    #[must_use]
+    pub fn is_of_small_voxels(&self) -> bool {
+        !self.bricks.iter().any(Brick::has_large)
     }
 
     /// Whether a coordinate is that of a voxel or a phantom.

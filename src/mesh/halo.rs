@@ -31,7 +31,8 @@ pub(super) struct Halo<'a> {
     is_bordering: bool,
 }
 
-type Rows = [[u16; WIDTH]; WIDTH];
+/// Rows of 10 bits along x, by z and y: a brick of 8³ with one layer of its neighbours around it.
+pub(crate) type Rows = [[u16; WIDTH]; WIDTH];
 
 impl<'a> Halo<'a> {
     /// Around the brick with this number.
@@ -41,10 +42,10 @@ impl<'a> Halo<'a> {
         let bricks: [Option<&Brick>; 27] = numbers.map(|number| grid.bricks.get(number as usize));
         let origin = place.map(|i| (i * SIDE).wrapping_sub(1));
         let has_coarse = bricks.iter().flatten().any(|brick| brick.coarse != [0; 8]);
-        let known = rows(&bricks, |_, _| u64::MAX);
-        let inside = rows(&bricks, |brick, z| brick.inside[z]);
+        let known = rows_around(&bricks, |_, _| u64::MAX);
+        let inside = rows_around(&bricks, |brick, z| brick.inside[z]);
         let coarse = match has_coarse {
-            true => rows(&bricks, |brick, z| brick.coarse[z]),
+            true => rows_around(&bricks, |brick, z| brick.coarse[z]),
             false => Rows::default(),
         };
         let is_bordering = (0..3).any(|axis| {
@@ -231,12 +232,16 @@ impl<'a> Halo<'a> {
 
 /// The bits of 27 bricks, those of slice z as `of` gives them; nothing where there is no brick.
 #[inline]
-fn rows(bricks: &[Option<&Brick>; 27], of: impl Fn(&Brick, usize) -> u64) -> Rows {
+pub(crate) fn rows_around<B>(bricks: &[Option<B>; 27], of: impl Fn(&B, usize) -> u64) -> Rows {
     let mut rows = Rows::default();
     for (z, slice) in rows.iter_mut().enumerate() {
         for k in 0..3 {
-            let [a, b, c] = [0, 1, 2]
-                .map(|x| bricks[x + 3 * k + 9 * part(z)].map_or(0, |brick| of(brick, within(z))));
+            let first = 3 * k + 9 * part(z);
+            let bits = |x: usize| match &bricks[first + x] {
+                Some(brick) => of(brick, within(z)),
+                None => 0,
+            };
+            let (a, b, c) = (bits(0), bits(1), bits(2));
             let row = |y: usize| {
                 let [a, b, c] = [a, b, c].map(|bits| (bits >> (8 * y)) as u16 & 0xff);
                 a >> 7 | b << 1 | (c & 1) << 9

@@ -32,9 +32,10 @@ use std::hash::Hasher;
 
 use siphasher::sip128::{Hasher128, SipHasher13};
 
-pub use extract::{BrickMesh, Crossing, EdgeKey, Extraction, LEAST_PART, extract, extract_bricks};
+pub use extract::{Crossing, Extraction, LEAST_PART, extract};
 pub use formula::{FormulaSettings, VertexPlace, of_formula};
 pub use grid::{Border, Brick, Grid, Leaf, SIDE, VOXELS, offset};
+pub(crate) use halo::{Rows, rows_around};
 pub use live::LiveMesh;
 pub use uniform::{Threshold, Triangles, uniform};
 
