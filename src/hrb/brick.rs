@@ -56,6 +56,17 @@ impl<V: Value> Brick<V> {
         if within >> d & 1 == 0 { (of_two, 1) } else { (of_two + octant(p, 0), 0) }
     }
 
+    /// The level of the region that holds a sample.
+    #[inline]
+    pub(super) fn level_at(&self, p: [u32; 3]) -> u8 {
+        let (c, d) = (octant(p, 2), octant(p, 1));
+        match (self.fours >> c & 1, self.twos >> (8 * c + d) & 1) {
+            (0, _) => 2,
+            (_, 0) => 1,
+            _ => 0,
+        }
+    }
+
     /// The region that holds a sample.
     #[inline]
     pub(super) fn region_at(&self, p: [u32; 3]) -> Region<V> {
@@ -75,12 +86,6 @@ impl<V: Value> Brick<V> {
         self.values[number]
     }
 
-    /// The level of that region.
-    #[inline]
-    pub(super) fn level(&self, index: usize) -> u8 {
-        if self.is_finest() { 0 } else { self.find(place_of(index)).1 }
-    }
-
     /// Which samples have regions with such a value.
     #[inline]
     pub(super) fn slices(&self, is: impl Fn(V) -> bool) -> Slices {
@@ -96,24 +101,67 @@ impl<V: Value> Brick<V> {
         slices
     }
 
-    /// Which samples have regions that are larger than they are.
-    #[inline]
-    pub(super) fn coarse(&self) -> Slices {
-        let mut slices = [0; SIDE as usize];
-        if !self.is_finest() {
-            self.regions(|_, first, level| {
-                if level > 0 {
-                    mark(&mut slices, first, level);
-                }
-            });
-        }
-        slices
-    }
-
     /// Whether all regions are single samples.
     #[inline]
     pub(super) fn is_finest(&self) -> bool {
         self.twos == u64::MAX
+    }
+
+    /// The level of its largest regions.
+    pub(super) fn largest(&self) -> u8 {
+        [2, 1, 0].into_iter().find(|&level| self.has_level(level)).unwrap_or(0)
+    }
+
+    /// Bit c: its part of 4³ samples number c is divided otherwise than that of another brick.
+    pub(super) fn divided_otherwise(&self, other: &Self) -> u8 {
+        let twos = (self.twos ^ other.twos).to_le_bytes();
+        let differs = |c: usize| (self.fours ^ other.fours) >> c & 1 == 1 || twos[c] != 0;
+        (0..8).fold(0, |parts, c| parts | u8::from(differs(c)) << c)
+    }
+
+    /// Whether a region of this level, below a brick's, is in it.
+    #[inline]
+    pub(super) fn has_level(&self, level: u8) -> bool {
+        match level {
+            0 => self.twos != 0,
+            1 => self.twos.count_ones() < 8 * self.fours.count_ones(),
+            _ => self.fours != u8::MAX,
+        }
+    }
+
+    /// All samples, x fastest.
+    pub(super) fn samples(&self) -> [V; VOXELS] {
+        let mut samples = [V::default(); VOXELS];
+        if self.is_finest() {
+            samples.copy_from_slice(&self.values);
+        } else {
+            self.regions(|number, first, level| {
+                fill(&mut samples, first, level, self.values[number]);
+            });
+        }
+        samples
+    }
+
+    /// Bit x + 8y of slice z: the sample's region is of a lower level than this one, of at most 3.
+    #[inline]
+    pub(super) fn below(&self, level: u8, z: usize) -> u64 {
+        match level {
+            0 => 0,
+            _ if self.is_finest() => u64::MAX,
+            1 => (0..4).fold(0, |slice, y| {
+                // Two parts each of the two parts of 4³ samples along x.
+                let parts =
+                    self.twos >> (16 * (y >> 1) + 2 * (y & 1) + 32 * (z >> 2) + 4 * (z >> 1 & 1));
+                let bits =
+                    parts & 1 | (parts & 2) << 1 | (parts & 0x100) >> 4 | (parts & 0x200) >> 3;
+                slice | (bits * 0x0303) << (16 * y)
+            }),
+            2 => (0..4).fold(0, |slice, c| {
+                let is_divided = u64::from(self.fours >> (c + 4 * (z >> 2)) & 1);
+                slice | (is_divided * (0x0f0f_0f0f << (4 * (c & 1)))) << (32 * (c >> 1))
+            }),
+            _ => u64::MAX,
+        }
     }
 
     /// Calls `tell` with the number of every region, the place of its first sample in the brick, x
@@ -155,8 +203,20 @@ impl<V: Value> Brick<V> {
 
 /// The place of a sample in its brick.
 #[inline]
-fn place_of(index: usize) -> [u32; 3] {
+pub(super) fn place_of(index: usize) -> [u32; 3] {
     [index % 8, index / 8 % 8, index / 64].map(|i| i as u32)
+}
+
+/// Fills a cube of a brick.
+#[inline]
+fn fill<T: Copy>(all: &mut [T; VOXELS], first: usize, level: u8, value: T) {
+    let (side, n) = (SIDE as usize, 1 << level);
+    for z in 0..n {
+        for y in 0..n {
+            let row = first + side * (y + side * z);
+            all[row..row + n].fill(value);
+        }
+    }
 }
 
 /// Sets the bits of a cube of a brick.

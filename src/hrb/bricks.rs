@@ -7,6 +7,7 @@ use super::{
     HrbOctree, Samples, Value,
     near::{Beyond, NearBrick, NearVoxels},
     octree::{BRICK_LEVEL, Tree, child},
+    window::Window,
 };
 use crate::mesh::{Border, Brick, Grid, SIDE, Voxels};
 
@@ -15,42 +16,42 @@ const INSIDE: u8 = 1;
 const OUTSIDE: u8 = 2;
 const BOTH: u8 = INSIDE | OUTSIDE;
 
-/// On which sides the samples of bricks in a box are; around the volume is a layer of bricks.
-struct Sides {
-    /// The place of the first brick.
-    first: [u32; 3],
-    /// Bricks along each axis, x fastest.
-    n: [usize; 3],
-    sides: Vec<u8>,
-}
-
 impl<V: Value> HrbOctree<V> {
     /// Everything that a mesh of the isosurface needs: what is `isovalue` or above is inside.
     #[must_use]
     pub fn grid(&self, isovalue: f64, border: Border) -> Grid<NearVoxels<'_, V>> {
         let end = self.size.map(|n| n.div_ceil(SIDE) + 2);
-        self.grid_within(isovalue, border, [0; 3], end)
+        self.grid_around(isovalue, border, &Window::new([0; 3], end, true))
     }
 
-    /// The same for the bricks of a box, without those at its border.
-    pub(crate) fn grid_within(
+    /// The same for some bricks: with those around them.
+    pub(crate) fn grid_around(
         &self,
         isovalue: f64,
         border: Border,
-        first: [u32; 3],
-        end: [u32; 3],
+        wanted: &Window<bool>,
     ) -> Grid<NearVoxels<'_, V>> {
-        let sides = self.sides(isovalue, border, first, end);
-        let brick = |&slot: &usize| self.brick(sides.place(slot), isovalue, border);
-        let (mixed, others): (Vec<usize>, Vec<usize>) =
-            sides.near().into_iter().partition(|&slot| sides.sides[slot] == BOTH);
+        // What is around those that are around decides whether they are near the surface.
+        let first = wanted.first.map(|i| i.saturating_sub(2));
+        let sides = self.sides(isovalue, border, first, wanted.end().map(|i| i + 2));
+        let near = sides.spread();
+        let mut chosen = near.clone();
+        for (place, own) in near.places().zip(&mut chosen.all) {
+            *own = u8::from(*own == BOTH && wanted.has(place));
+        }
+        let chosen = chosen.spread();
+        let slots = near.places().enumerate();
+        let (mixed, others): (Vec<_>, Vec<_>) = slots
+            .filter(|&(slot, _)| chosen.all[slot] == 1 && near.all[slot] == BOTH)
+            .partition(|&(slot, _)| sides.all[slot] == BOTH);
+        let brick = |&(_, place): &(usize, [u32; 3])| self.brick(place, isovalue, border);
         let mut bricks: Vec<NearBrick<'_, V>> = mixed.par_iter().map(brick).collect();
-        let mut numbers = vec![usize::MAX; sides.sides.len()];
-        mixed.iter().enumerate().for_each(|(number, &slot)| numbers[slot] = number);
-        let is_met = |slot: &&usize| {
+        let mut numbers = vec![usize::MAX; sides.all.len()];
+        mixed.iter().enumerate().for_each(|(number, &(slot, _))| numbers[slot] = number);
+        let is_met = |&&(slot, place): &&(usize, [u32; 3])| {
             // What lies beyond the volume is like the samples at its border.
-            self.whole_brick(sides.place(**slot)).is_none()
-                || sides.is_met(**slot, |slot| bricks.get(numbers[slot]))
+            self.whole_brick(place).is_none()
+                || is_met(&sides, slot, place, |slot| bricks.get(numbers[slot]))
         };
         let met: Vec<NearBrick<'_, V>> = others.par_iter().filter(is_met).map(brick).collect();
         bricks.extend(met);
@@ -70,12 +71,11 @@ impl<V: Value> HrbOctree<V> {
     }
 
     /// On which sides the samples of every brick from `first` to before `end` are.
-    fn sides(&self, isovalue: f64, border: Border, first: [u32; 3], end: [u32; 3]) -> Sides {
+    fn sides(&self, isovalue: f64, border: Border, first: [u32; 3], end: [u32; 3]) -> Window<u8> {
         let of_volume = self.size.map(|n| n.div_ceil(SIDE) + 2);
         let end = [0, 1, 2].map(|axis| end[axis].min(of_volume[axis]));
-        let n = [0, 1, 2].map(|axis| (end[axis] - first[axis]) as usize);
         let beyond = if border == Border::Capped { OUTSIDE } else { 0 };
-        let mut all = Sides { first, n, sides: vec![beyond; n.iter().product()] };
+        let mut all = Window::new(first, end, beyond);
         let reach = Samples {
             first: first.map(|i| i.saturating_sub(1) * SIDE),
             end: end.map(|i| i.saturating_sub(1) * SIDE),
@@ -84,25 +84,14 @@ impl<V: Value> HrbOctree<V> {
             let own = base.map(|i| i / SIDE + 1);
             let count = ((1 << level) / SIDE).max(1);
             // Without the layers around the volume.
-            let [xs, ys, zs] = [0, 1, 2].map(|axis| {
-                let last = end[axis].min(of_volume[axis] - 1);
-                let from = own[axis].max(first[axis]) - first[axis];
-                let to = (own[axis] + count).min(last).saturating_sub(first[axis]);
-                from as usize..to.max(from) as usize
-            });
-            for z in zs {
-                for y in ys.clone() {
-                    let row = n[0] * (y + n[1] * z);
-                    all.sides[row + xs.start..row + xs.end].fill(side);
-                }
-            }
+            all.fill(own, [0, 1, 2].map(|axis| (own[axis] + count).min(of_volume[axis] - 1)), side);
         });
         if border == Border::Capped {
             // A brick that the border cuts has phantoms of its own.
             for axis in (0..3).filter(|&axis| !self.size[axis].is_multiple_of(SIDE)) {
-                for slot in 0..all.sides.len() {
-                    if all.place(slot)[axis] == of_volume[axis] - 2 {
-                        all.sides[slot] |= OUTSIDE;
+                for (place, sides) in all.places().zip(&mut all.all) {
+                    if place[axis] == of_volume[axis] - 2 {
+                        *sides |= OUTSIDE;
                     }
                 }
             }
@@ -206,54 +195,23 @@ impl<V: Value> HrbOctree<V> {
     }
 }
 
-impl Sides {
-    /// Where a brick is.
-    fn place(&self, slot: usize) -> [u32; 3] {
-        let [nx, ny, _] = self.n;
-        let step = [slot % nx, slot / nx % ny, slot / nx / ny];
-        [0, 1, 2].map(|axis| self.first[axis] + step[axis] as u32)
-    }
-
-    /// The bricks that have, with the 26 around, samples on both sides.
-    fn near(&self) -> Vec<usize> {
-        let mut near = self.sides.clone();
-        // One axis after the other.
-        let [nx, ny, _] = self.n;
-        for (step, layer) in [(1, nx), (nx, nx * ny), (nx * ny, near.len())] {
-            let before = near.clone();
-            for (own, before) in near.chunks_exact_mut(layer).zip(before.chunks_exact(layer)) {
-                for (side, lower) in own[step..].iter_mut().zip(before) {
-                    *side |= lower;
-                }
-                for (side, upper) in own.iter_mut().zip(&before[step..]) {
-                    *side |= upper;
-                }
-            }
+/// Whether samples next to a brick that is on one side are on the other; `mixed` has the bricks on both
+/// sides, as far as they matter.
+fn is_met<'a, B: Voxels + 'a>(
+    sides: &Window<u8>,
+    slot: usize,
+    place: [u32; 3],
+    mixed: impl Fn(usize) -> Option<&'a Brick<B>>,
+) -> bool {
+    (0..27).any(|k| {
+        let step = [k % 3, k / 3 % 3, k / 9];
+        let at = [0, 1, 2].map(|axis| (place[axis] + step[axis] as u32).wrapping_sub(1));
+        let Some(beside) = sides.slot(at) else { return false };
+        match mixed(beside) {
+            Some(brick) => brick.meets(step, sides.all[slot] == OUTSIDE),
+            // Both sides, but not among those that matter.
+            None if sides.all[beside] == BOTH => false,
+            None => sides.all[slot] | sides.all[beside] == BOTH,
         }
-        (0..near.len()).filter(|&slot| near[slot] == BOTH).collect()
-    }
-
-    /// Whether samples next to a brick that is on one side are on the other; `mixed` has the bricks
-    /// on both sides.
-    fn is_met<'a, B: Voxels + 'a>(
-        &self,
-        slot: usize,
-        mixed: impl Fn(usize) -> Option<&'a Brick<B>>,
-    ) -> bool {
-        let place = self.place(slot);
-        (0..27).any(|k| {
-            let step = [k % 3, k / 3 % 3, k / 9];
-            let at = [0, 1, 2].map(|axis| {
-                ((place[axis] - self.first[axis]) as usize + step[axis]).wrapping_sub(1)
-            });
-            if (0..3).any(|axis| at[axis] >= self.n[axis]) {
-                return false;
-            }
-            let beside = at[0] + self.n[0] * (at[1] + self.n[1] * at[2]);
-            match mixed(beside) {
-                Some(brick) => brick.meets(step, self.sides[slot] == OUTSIDE),
-                None => self.sides[slot] | self.sides[beside] == BOTH,
-            }
-        })
-    }
+    })
 }

@@ -1,6 +1,12 @@
 //! The voxels of a brick near an isosurface, as the octree has them.
 
-use super::{brick::Brick, octree::Tree, sample::Value};
+use std::array;
+
+use super::{
+    brick::{Brick, place_of},
+    octree::Tree,
+    sample::Value,
+};
 use crate::mesh::{self, Border, SIDE, Slices, Voxels, offset};
 
 /// See the file's text; what lies beyond the volume is like the samples at its border, which are those
@@ -45,9 +51,11 @@ impl<'a, V: Value> NearVoxels<'a, V> {
         let least = V::at_least(isovalue);
         let is_inside = |value: V| least.is_some_and(|least| value >= least);
         let (own, mut inside, mut coarse) = match tree {
-            Tree::Brick(brick) => {
-                (Own::Brick(brick, isovalue), brick.slices(is_inside), brick.coarse())
-            }
+            Tree::Brick(brick) => (
+                Own::Brick(brick, isovalue),
+                brick.slices(is_inside),
+                array::from_fn(|z| !brick.below(1, z)),
+            ),
             Tree::Region { value, .. } => {
                 let offset = offset(value.to_f64(), isovalue);
                 (Own::Region(offset, level), all(is_inside(*value)), all(level > 0))
@@ -88,7 +96,7 @@ impl<V: Value> Voxels for NearVoxels<'_, V> {
     fn level(&self, index: usize) -> u8 {
         let like = self.beyond.as_ref().map_or(index, |beyond| beyond.place(index));
         match &self.own {
-            Own::Brick(brick, _) => brick.level(like),
+            Own::Brick(brick, _) => brick.level_at(place_of(like)),
             Own::Region(_, level) => *level,
         }
     }
@@ -143,6 +151,6 @@ impl Beyond {
         let slice = |slice: u64| {
             (0..8).fold(0, |bits, y| bits | row(slice >> (8 * ys[y]) & 0xff) << (8 * y))
         };
-        std::array::from_fn(|z| slice(own[usize::from(zs[z])]))
+        array::from_fn(|z| slice(own[usize::from(zs[z])]))
     }
 }

@@ -4,8 +4,6 @@
 //! smaller voxel, or of equal ones to the lower one, and is a bit of that voxel's brick: its number is
 //! the count of bits before it.
 
-use std::iter;
-
 use rayon::prelude::*;
 
 use super::{
@@ -46,7 +44,7 @@ impl DualEdge {
 }
 
 /// Which dual edges of a brick's own are cut.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(super) struct Cuts {
     /// Bit voxel + 512 direction.
     bits: [u64; WORDS],
@@ -56,15 +54,23 @@ pub(super) struct Cuts {
     pub(super) has_large: bool,
 }
 
-impl Cuts {
-    const NONE: Self = Self { bits: [0; WORDS], before: [0; WORDS], has_large: false };
+impl Default for Cuts {
+    fn default() -> Self {
+        Self { bits: [0; WORDS], before: [0; WORDS], has_large: false }
+    }
+}
 
-    /// Those of all bricks.
-    pub(super) fn of_all<B: Voxels>(grid: &Grid<B>) -> Vec<Self> {
-        let mut cuts = vec![Self::NONE; grid.bricks.len()];
+impl Cuts {
+    /// Those of `wanted` bricks; `cuts` has those of all others.
+    pub(super) fn find<B: Voxels>(
+        cuts: &mut [Self],
+        grid: &Grid<B>,
+        wanted: impl Fn(usize) -> bool + Sync,
+    ) {
         let far: Vec<Vec<DualEdge>> = cuts
             .par_iter_mut()
             .enumerate()
+            .filter(|&(number, _)| wanted(number))
             .map(|(number, cuts)| cuts.mark_all(&Halo::new(grid, number)))
             .collect();
         for edge in far.iter().flatten() {
@@ -74,7 +80,16 @@ impl Cuts {
                 cuts.number();
             }
         }
-        cuts
+    }
+
+    /// The number of the first edge of each brick, if all are numbered one after the other.
+    pub(super) fn firsts(cuts: &[Self]) -> Vec<u32> {
+        let mut n = 0;
+        let first = |cuts: &Self| {
+            n += cuts.count();
+            n - cuts.count()
+        };
+        cuts.iter().map(first).collect()
     }
 
     /// Marks those of a brick, and tells of edges whose owners are larger than bricks and begin in
@@ -131,22 +146,6 @@ impl Cuts {
         }
     }
 
-    /// The places of all that are cut.
-    #[inline]
-    pub(super) fn slots(&self) -> impl Iterator<Item = usize> {
-        let mut word = 0;
-        let mut rest = self.bits[0];
-        iter::from_fn(move || {
-            while rest == 0 {
-                word += 1;
-                rest = *self.bits.get(word)?;
-            }
-            let slot = 64 * word + rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            Some(slot)
-        })
-    }
-
     pub(super) fn count(&self) -> u32 {
         u32::from(self.before[WORDS - 1]) + self.bits[WORDS - 1].count_ones()
     }
@@ -157,6 +156,23 @@ impl Cuts {
         let (word, bit) = (slot / 64, slot % 64);
         debug_assert!(self.bits[word] >> bit & 1 == 1, "every cut edge was marked");
         u32::from(self.before[word]) + (self.bits[word] & ((1 << bit) - 1)).count_ones()
+    }
+
+    /// Of every edge that is cut here or in another, in order, whether it is here and whether there.
+    pub(super) fn merge(&self, other: &Self, mut tell: impl FnMut(bool, bool)) {
+        for (&own, &others) in self.bits.iter().zip(&other.bits) {
+            let mut rest = own | others;
+            while rest != 0 {
+                let bit = rest & rest.wrapping_neg();
+                rest ^= bit;
+                tell(own & bit != 0, others & bit != 0);
+            }
+        }
+    }
+
+    /// Whether an edge of a voxel is cut.
+    pub(super) fn has_vertices_at(&self, voxel: usize) -> bool {
+        (0..DIRECTIONS).any(|k| self.bits[(VOXELS * k + voxel) / 64] >> (voxel % 64) & 1 == 1)
     }
 
     /// Calls `tell` with each cut edge of a word and its number, in order; `of` has bits for those

@@ -26,7 +26,6 @@ use super::{
     halo::Halo,
     numbers::{Numbers, STEPS_TO, cell_at},
 };
-use crate::math::morton_encode;
 
 /// Cut edges stay away from both ends of the zone in which they are looked for by this part of it:
 /// large enough for f32 to tell them apart in grids of 16384 voxels, so that values equal to the
@@ -80,15 +79,10 @@ pub fn extract<B: Voxels, T: Copy + Default + Send>(
     vertex: impl Fn(&Crossing) -> T + Sync,
 ) -> Extraction<T> {
     let n = grid.bricks.len();
-    let cuts = Cuts::of_all(grid);
-    let mut n_vertices = 0;
-    let firsts: Vec<u32> = cuts
-        .iter()
-        .map(|cuts| {
-            n_vertices += cuts.count();
-            n_vertices - cuts.count()
-        })
-        .collect();
+    let mut cuts = vec![Cuts::default(); n];
+    Cuts::find(&mut cuts, grid, |_| true);
+    let firsts = Cuts::firsts(&cuts);
+    let n_vertices: u32 = cuts.iter().map(Cuts::count).sum();
     let edges = Edges { grid, cuts, firsts };
     let mut vertices = vec![T::default(); n_vertices as usize];
     let mut rest = vertices.as_mut_slice();
@@ -107,7 +101,7 @@ pub fn extract<B: Voxels, T: Copy + Default + Send>(
         for number in bricks {
             let halo = Halo::new(grid, number);
             let cells = halo.cells();
-            edges.each_crossing(&halo, &cells, |_, crossing| {
+            edges.each_crossing(&halo, &cells, |crossing| {
                 if let Some(place) = own.next() {
                     *place = vertex(crossing);
                 }
@@ -120,64 +114,61 @@ pub fn extract<B: Voxels, T: Copy + Default + Send>(
     Extraction { vertices, triangles: triangles.concat() }
 }
 
-/// A dual edge, whatever else the grid holds: the Morton code of its owner's brick, times 2^12, and
-/// its place in that.
-pub type EdgeKey = u64;
-
-/// What a brick gives to a mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BrickMesh {
-    /// Its Morton code.
-    pub brick: u64,
-    /// In order of their edges.
-    pub vertices: Vec<(EdgeKey, Crossing)>,
-    /// In order of their cells.
-    pub triangles: Vec<[EdgeKey; 3]>,
+/// Some bricks of a grid, extracted by themselves.
+pub(super) struct Parts {
+    /// Of all bricks of the grid, the edges that are cut.
+    pub(super) cuts: Vec<Cuts>,
+    /// The number of the first vertex of each brick.
+    pub(super) firsts: Vec<u32>,
+    /// The vertices and triangles of runs of wanted bricks.
+    pub(super) runs: Vec<Run>,
 }
 
-/// Bits of a key for the place of an edge in its brick.
-const EDGE_BITS: u32 = 12;
-
-/// The Morton code of the brick of an edge.
-pub(super) fn brick_of(key: EdgeKey) -> u64 {
-    key >> EDGE_BITS
+/// What some bricks give to a mesh.
+pub(super) struct Run {
+    /// The numbers of the bricks, and how many triangles each has.
+    pub(super) bricks: Vec<(usize, usize)>,
+    /// All vertices of one brick after the other.
+    pub(super) vertices: Vec<Crossing>,
+    /// The same for triangles.
+    pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// The parts of a mesh that `wanted` bricks give, in Morton order, without those that give nothing.
-/// The bricks around them must be complete in the grid.
-#[must_use]
-pub fn extract_bricks<B: Voxels>(
+/// What the `wanted` bricks of a grid, in order, give to a mesh; `known` has the cut edges of others,
+/// if any. All around a wanted brick must be there.
+pub(super) fn extract_parts<B: Voxels>(
     grid: &Grid<B>,
-    wanted: impl Fn([u32; 3]) -> bool + Sync,
-) -> Vec<BrickMesh> {
-    let n = grid.bricks.len();
-    let cuts = Cuts::of_all(grid);
-    let mut keys = Vec::new();
-    let mut firsts = Vec::with_capacity(n);
-    for (brick, cuts) in grid.bricks.iter().zip(&cuts) {
-        firsts.push(keys.len() as u32);
-        let of_brick = morton_encode(brick.place) << EDGE_BITS;
-        keys.extend(cuts.slots().map(|slot| of_brick | slot as u64));
-    }
-    let edges = Edges { grid, cuts, firsts };
-    let of_brick = |numbers: &mut Numbers, number: usize| {
-        let (halo, brick) = (Halo::new(grid, number), morton_encode(grid.bricks[number].place));
-        let cells = halo.cells();
-        let mut vertices = Vec::with_capacity(edges.cuts[number].count() as usize);
-        edges.each_crossing(&halo, &cells, |slot, crossing| {
-            vertices.push((brick << EDGE_BITS | slot as u64, *crossing));
-        });
-        let mut triangles = Vec::new();
-        edges.triangles(&halo, &cells, numbers, &mut triangles);
-        let triangles = triangles.iter().map(|corners| corners.map(|v| keys[v as usize])).collect();
-        BrickMesh { brick, vertices, triangles }
+    wanted: &[usize],
+    known: impl Fn(usize) -> Option<Cuts>,
+) -> Parts {
+    let is_wanted = |number: usize| wanted.binary_search(&number).is_ok();
+    let of_brick = |number: usize| match is_wanted(number) {
+        true => Cuts::default(),
+        false => known(number).unwrap_or_default(),
     };
-    (0..n)
-        .into_par_iter()
-        .filter(|&number| wanted(grid.bricks[number].place))
-        .map_init(Numbers::default, of_brick)
-        .filter(|mesh| !mesh.vertices.is_empty() || !mesh.triangles.is_empty())
-        .collect()
+    let mut cuts: Vec<Cuts> = (0..grid.bricks.len()).map(of_brick).collect();
+    Cuts::find(&mut cuts, grid, is_wanted);
+    let firsts = Cuts::firsts(&cuts);
+    let edges = Edges { grid, cuts, firsts };
+    let run = |wanted: &[usize]| {
+        let n: u32 = wanted.iter().map(|&number| edges.cuts[number].count()).sum();
+        let mut vertices = Vec::with_capacity(n as usize);
+        let mut triangles = Vec::with_capacity(5 * n as usize / 2);
+        let mut numbers = Numbers::default();
+        let of_brick = |&number: &usize| {
+            let before = triangles.len();
+            let halo = Halo::new(grid, number);
+            let cells = halo.cells();
+            edges.each_crossing(&halo, &cells, |crossing| vertices.push(*crossing));
+            edges.triangles(&halo, &cells, &mut numbers, &mut triangles);
+            (number, triangles.len() - before)
+        };
+        let bricks = wanted.iter().map(of_brick).collect();
+        Run { bricks, vertices, triangles }
+    };
+    let runs = wanted.par_chunks(RUN).map(run).collect();
+    let Edges { cuts, firsts, .. } = edges;
+    Parts { cuts, firsts, runs }
 }
 
 /// All cut dual edges, with numbers.
@@ -190,14 +181,9 @@ pub(super) struct Edges<'a, B> {
 }
 
 impl<B: Voxels> Edges<'_, B> {
-    /// Calls `tell` with the place and the vertex of every cut edge of a brick's own, in order.
+    /// Calls `tell` with the vertex on every cut edge of a brick's own, in order.
     #[inline]
-    fn each_crossing(
-        &self,
-        halo: &Halo<'_, B>,
-        cells: &CellBits,
-        mut tell: impl FnMut(usize, &Crossing),
-    ) {
+    fn each_crossing(&self, halo: &Halo<'_, B>, cells: &CellBits, mut tell: impl FnMut(&Crossing)) {
         let cuts = &self.cuts[halo.number()];
         self.each_upwards::<0>(halo, cells, cuts, &mut tell);
         self.each_upwards::<1>(halo, cells, cuts, &mut tell);
@@ -205,7 +191,7 @@ impl<B: Voxels> Edges<'_, B> {
         for word in WORDS / 2..WORDS {
             cuts.each(word, u64::MAX, |bit, _| {
                 let slot = 64 * word + bit;
-                tell(slot, &self.crossing(halo, slot % VOXELS, slot / VOXELS));
+                tell(&self.crossing(halo, slot % VOXELS, slot / VOXELS));
             });
         }
     }
@@ -217,7 +203,7 @@ impl<B: Voxels> Edges<'_, B> {
         halo: &Halo<'_, B>,
         cells: &CellBits,
         cuts: &Cuts,
-        tell: &mut impl FnMut(usize, &Crossing),
+        tell: &mut impl FnMut(&Crossing),
     ) {
         let first = halo.origin.map(|i| i.wrapping_add(1).wrapping_sub(SIDE) as f32 + 0.5);
         for z in 0..SIDE as usize {
@@ -227,9 +213,8 @@ impl<B: Voxels> Edges<'_, B> {
             let word = 8 * AXIS + z;
             cuts.each(word, u64::MAX, |bit, _| {
                 let index = 64 * z + bit;
-                let slot = VOXELS * AXIS + index;
                 if plain >> bit & 1 == 0 {
-                    return tell(slot, &self.crossing(halo, index, AXIS));
+                    return tell(&self.crossing(halo, index, AXIS));
                 }
                 let offsets = halo.offsets_along::<AXIS>(index);
                 let steps = [bit % 8, bit / 8, z];
@@ -237,7 +222,7 @@ impl<B: Voxels> Edges<'_, B> {
                 let mut upper = lower;
                 upper[AXIS] += 1.0;
                 let (ends, part) = ([lower, upper], zone(offsets));
-                tell(slot, &Crossing { ends, offsets, part, is_cap: false });
+                tell(&Crossing { ends, offsets, part, is_cap: false });
             });
         }
     }

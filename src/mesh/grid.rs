@@ -117,6 +117,12 @@ impl<B: Voxels> Brick<B> {
         Self { place, voxels, inside, coarse, has_coarse: coarse != [0; SIDE as usize] }
     }
 
+    /// Whether a voxel is as large as a brick, or larger.
+    fn has_large(&self) -> bool {
+        // Then it is the only one.
+        self.has_coarse && 1 << self.voxels.level(0) >= SIDE
+    }
+
     /// Whether a voxel beside another brick is inside, or outside; this one is the one number
     /// x, y, z of the 27 around that.
     pub(crate) fn meets(&self, [x, y, z]: [usize; 3], inside: bool) -> bool {
@@ -193,6 +199,18 @@ impl<B: Voxels> Grid<B> {
         let key = morton_encode(place);
         let found = self.bricks.binary_search_by_key(&key, |brick| morton_encode(brick.place));
         found.ok().map(|number| number as u32)
+    }
+
+    /// Whether a brick, or one around it, has a voxel as large as a brick.
+    pub(super) fn is_beside_large(&self, number: usize) -> bool {
+        let around = &self.around[number];
+        around.iter().filter_map(|&beside| self.bricks.get(beside as usize)).any(Brick::has_large)
+    }
+
+    /// Whether nowhere a voxel is as large as a brick.
+    #[must_use]
+    pub fn is_of_small_voxels(&self) -> bool {
+        !self.bricks.iter().any(Brick::has_large)
     }
 
     /// Whether a coordinate is that of a voxel or a phantom.

@@ -35,7 +35,7 @@ use std::hash::Hasher;
 
 use siphasher::sip128::{Hasher128, SipHasher13};
 
-pub use extract::{BrickMesh, Crossing, EdgeKey, Extraction, LEAST_PART, extract, extract_bricks};
+pub use extract::{Crossing, Extraction, LEAST_PART, extract};
 pub use formula::{FormulaSettings, VertexPlace, of_formula};
 pub use grid::{Border, Brick, Grid, Leaf, SIDE, Stored, VOXELS, Voxels, offset};
 pub(crate) use grid::{Slices, byte_bits, index_of, slices};
