@@ -7,6 +7,8 @@ mod properties;
 
 use std::{fmt::Write as _, path::Path};
 
+use glam::DVec3;
+
 use crate::{
     Error, Result,
     diagnostic::{Diagnostic, Rejection, Sources},
@@ -85,15 +87,35 @@ fn decode(bytes: Vec<u8>) -> String {
         .unwrap_or_else(|error| error.as_bytes().iter().copied().map(char::from).collect())
 }
 
-/// The first line of a scene: what it was made of.
-fn header(source: &Source<'_>) -> String {
+/// The first line of a scene: the file that it was made of, and what that is.
+fn header(source: &Source<'_>, what: &str) -> String {
     let name = source.path.file_name().unwrap_or_default().to_string_lossy();
-    format!("# Converted from {}.\nversion = 1\n", line(&name))
+    format!("# Converted from {}, {what}.\n", line(&name))
+}
+
+/// `value` with nine digits, which is more than other programs' files have.
+fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.8e}").parse().unwrap_or(value);
+    // Not -0.
+    (rounded + 0.0).to_string()
+}
+
+/// A vector of TOML; parts that are nothing beside the others are 0.
+fn vector(v: DVec3) -> String {
+    let least = 1e-9 * v.abs().max_element();
+    let parts = v.to_array().map(|part| number(if part.abs() > least { part } else { 0.0 }));
+    format!("[{}]", parts.join(", "))
 }
 
 /// A string of TOML that holds `text`.
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
+}
+
+/// A key of TOML.
+fn key(name: &str) -> String {
+    let is_bare = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
+    if !name.is_empty() && name.chars().all(is_bare) { name.to_owned() } else { quoted(name) }
 }
 
 /// `text` as a part of one line of a comment.
