@@ -264,7 +264,7 @@ fn cases() -> Vec<Case> {
             let (a2, b2) = (a * a, b * b);
             field(p[0], -(a2 * (a2 - p[1] * p[1]) - b2 * (b2 - p[2] * p[2])))
         }),
-        case("f_dupin_cyclid", &[-1e-4, 6.0, 0.5, 3.0, 0.2, 3.0], (0.0, 8.0), |x, y, z, p| {
+        case("f_dupin_cyclid", &[-1e-4, 6.0, 0.5, 3.0, 0.2, 3.0], (0.0, 4.0), |x, y, z, p| {
             let (x2, y2, z2) = (x * x, y * y, z * z);
             let (i, ph, th) = (p[5] * p[5], p[2] * p[2], p[4] * p[4]);
             let p1 = ph - th - (p[3] + p[1]) * (p[3] + p[1]);
@@ -491,7 +491,7 @@ fn cases() -> Vec<Case> {
             -p[0] + (a * a + b * b + c * c).sqrt() - 1e-6
         }),
         case("f_sphere", &[1.2], (0.0, 2.0), |x, y, z, p| -p[0] + (x * x + y * y + z * z).sqrt()),
-        case("f_spikes", &[0.05, 2.0, -1.0, 1.0, 2.0], (0.4, 2.0), |x, y, z, p| {
+        case("f_spikes", &[0.05, 2.0, -1.0, 1.0, 2.0], (-0.4, 2.0), |x, y, z, p| {
             let [a, b, c] = three_ellipsoids(x, y, z, p[0], p[1]);
             let r = (-(x * x + y * y + z * z) * p[3]).exp() * p[4] - a - b - c;
             -r * p[2]
@@ -634,8 +634,7 @@ fn intervals_hold_the_values_of_pov_ray() {
     }
 }
 
-/// Of each surface at least a part is proven, and where it is not proven not to be, the function has
-/// both signs in most places, so that enclosures are good for something.
+/// Enclosures are good for something: of what is kept a good part is proven to be surface.
 #[test]
 fn each_function_has_a_surface() {
     for case in cases() {
@@ -644,7 +643,7 @@ fn each_function_has_a_surface() {
         let lattice = Lattice::new(Aabb { min: -reach, max: reach }, 64);
         let found = voxelize(&expr, &lattice, &Settings::default(), &Unwatched).unwrap();
         let (stored, certified) = (found.octree.voxel_count(), found.octree.certified_count());
-        println!("{:70} {stored:7} {certified:7}", case.call());
-        assert!(certified > 500, "{}: {certified} of {stored}", case.call());
+        let is_sharp = stored > 300 && 5 * certified >= 2 * stored;
+        assert!(is_sharp, "{}: {certified} of {stored}", case.call());
     }
 }
