@@ -9,12 +9,14 @@
 
 use std::{collections::BTreeMap, fmt::Write as _};
 
-use glam::{DMat3, DMat4, DVec3};
+use glam::{DMat4, DVec3};
 
 use super::{
     Converted, Source, comments, header, number,
     properties::{self, Property},
-    quoted, vector,
+    quoted,
+    similarity::Similarity,
+    snapped, vector,
 };
 use crate::{
     diagnostic::{Diagnostic, did_you_mean},
@@ -26,10 +28,6 @@ const N_LIGHTS: usize = 8;
 
 /// What lights of Surfer add up with what materials send back; here that is the same for all.
 const DIFFUSE: f64 = 0.8;
-
-/// By how much the columns of a matrix may differ in length, and from a right angle: files hold
-/// rotations with seven digits.
-const MATRIX_TOLERANCE: f64 = 1e-3;
 
 /// Keys without those of parameters, materials and lights.
 const KEYS: [&str; 10] = [
@@ -332,6 +330,10 @@ impl<'a> File<'a> {
         let forward = -view.axis(2);
         let ahead = forward.dot(ball.shift - view.shift);
         let target = view.shift + forward * if ahead > 0.0 { ahead } else { view.scale };
+        if is_flat && ahead < 0.999 * ball.scale {
+            let hides = "Surfer hides what is behind it; here that shows";
+            self.notes.push(format!("the camera stands in the ball of the surface, and {hides}"));
+        }
         text.push_str("\n[camera]\n");
         let _ = match is_flat {
             true => {
@@ -343,9 +345,10 @@ impl<'a> File<'a> {
             }
             false => writeln!(text, "fov = {}", number(fov)),
         };
-        for (key, value) in [("eye", view.shift), ("target", target), ("up", view.axis(1))] {
-            let _ = writeln!(text, "{key} = {}", vector(value));
+        for (key, place) in [("eye", view.shift), ("target", target)] {
+            let _ = writeln!(text, "{key} = {}", vector(snapped(place, ball.scale)));
         }
+        let _ = writeln!(text, "up = {}", vector(snapped(view.axis(1), 1.0)));
     }
 
     /// The lights, of which the file says where they are in the camera's space; so are the ball's
@@ -370,7 +373,7 @@ impl<'a> File<'a> {
             let _ = write!(
                 text,
                 "\n[[light]]\ndirection = {}\nrelative_to = \"camera\"\n",
-                vector(direction)
+                vector(snapped(direction, 1.0))
             );
             if let Some(color) = color.filter(|color| color != WHITE) {
                 let _ = writeln!(text, "color = {color}");
@@ -391,43 +394,3 @@ const WHITE: &str = "\"#ffffff\"";
 
 /// From so many radii away, light comes nearly from the same side everywhere.
 const FAR: f64 = 20.0;
-
-/// A turn, times a factor, and a shift.
-struct Similarity {
-    /// Columns of the same length, at right angles.
-    linear: DMat3,
-    scale: f64,
-    shift: DVec3,
-}
-
-impl Similarity {
-    fn new(matrix: DMat4) -> Option<Self> {
-        let linear = DMat3::from_mat4(matrix);
-        let scale = libm::cbrt(linear.determinant());
-        let unlike = (linear.transpose() * linear) * (1.0 / (scale * scale)) - DMat3::IDENTITY;
-        let is_affine = matrix.row(3).abs_diff_eq(glam::DVec4::W, MATRIX_TOLERANCE);
-        let is_similar = scale > 0.0 && unlike.abs_diff_eq(DMat3::ZERO, MATRIX_TOLERANCE);
-        (is_affine && is_similar).then_some(Self { linear, scale, shift: matrix.w_axis.truncate() })
-    }
-
-    /// Where the axis number i leads, with a length of 1.
-    fn axis(&self, i: usize) -> DVec3 {
-        self.linear.col(i).normalize()
-    }
-
-    /// `[domain]` for the ball that the ball of radius 1 becomes.
-    fn domain(&self) -> String {
-        let Self { scale, shift, .. } = self;
-        let square = |axis: &str, middle: f64| match number(middle).as_str() {
-            "0" => format!("{axis}^2"),
-            text if middle < 0.0 => format!("({axis} + {})^2", &text[1..]),
-            text => format!("({axis} - {text})^2"),
-        };
-        let squares = [("x", shift.x), ("y", shift.y), ("z", shift.z)];
-        let squares = squares.map(|(axis, middle)| square(axis, middle)).join(" + ");
-        let (min, max) =
-            (vector(shift - DVec3::splat(*scale)), vector(shift + DVec3::splat(*scale)));
-        let radius = number(*scale);
-        format!("[domain]\nmin = {min}\nmax = {max}\nclip = \"{squares} <= {radius}^2\"\n")
-    }
-}

@@ -4,6 +4,7 @@
 
 mod jsurf;
 mod properties;
+mod similarity;
 
 use std::{fmt::Write as _, path::Path};
 
@@ -100,11 +101,15 @@ fn number(value: f64) -> String {
     (rounded + 0.0).to_string()
 }
 
-/// A vector of TOML; parts that are nothing beside the others are 0.
+/// `v` without parts that are nothing beside `size`.
+fn snapped(v: DVec3, size: f64) -> DVec3 {
+    let part = |part: f64| if part.abs() > 1e-9 * size { part } else { 0.0 };
+    DVec3::from(v.to_array().map(part))
+}
+
+/// A vector of TOML.
 fn vector(v: DVec3) -> String {
-    let least = 1e-9 * v.abs().max_element();
-    let parts = v.to_array().map(|part| number(if part.abs() > least { part } else { 0.0 }));
-    format!("[{}]", parts.join(", "))
+    format!("[{}]", v.to_array().map(number).join(", "))
 }
 
 /// A string of TOML that holds `text`.
