@@ -62,6 +62,15 @@ fn all_examples_are_scenes() {
     assert!(n >= 3, "{n} examples");
 }
 
+#[test]
+fn the_scene_in_configs_is_what_its_file_becomes() {
+    let scene = import::convert(&folder().join("tubes.jsurf")).unwrap().scene;
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/tubes.toml");
+    // An editor's first line stands before it.
+    let text = fs::read_to_string(path).unwrap();
+    assert_eq!(text.split_once('\n').unwrap().1, scene);
+}
+
 /// Where a small ball at (x, y, z) of the formula is in Surfer's picture, from -1 to 1.
 fn expected_place(rows: [[f64; 3]; 3], scale: f64, ball: [f64; 3]) -> [f64; 2] {
     // Surfer's rays go from camera to ball by the matrix, and to the formula by the scale: the way
@@ -79,7 +88,7 @@ fn things_are_where_surfer_shows_them() {
         ([[s, -s, 0.0], [0.5, 0.5, -s], [0.5, 0.5, s]], -0.2),
     ];
     for (rows, exponent) in turns {
-        let scale = 10_f64.powf(exponent);
+        let scale = libm::pow(10.0, exponent);
         let ball = [0.3, 0.5, -0.2].map(|v| v * scale);
         let [x, y, z] = ball;
         let matrix: Vec<String> = rows.iter().map(|[a, b, c]| format!("{a} {b} {c} 0")).collect();
@@ -87,7 +96,7 @@ fn things_are_where_surfer_shows_them() {
             "surface_equation=(x-{x})^2+(y-{y})^2+(z+{})^2-{}\nscale_factor={exponent}\n\
              rotation_matrix={} 0 0 0 1\n",
             -z,
-            (0.1 * scale).powi(2),
+            0.01 * scale * scale,
             matrix.join(" ")
         );
         let (mut scene, notes) = converted("ball.jsurf", &text);
