@@ -8,6 +8,7 @@ use std::{
     process::{Command, Output},
 };
 
+use proptest::prelude::*;
 use zeroset::{
     Error,
     diagnostic::Rejection,
@@ -163,6 +164,7 @@ fn mistakes_are_named_where_they_are() {
         ("a=1\n", "the file has no `surface_equation`", ""),
         ("surface_equation=x^2+b*y\n", "the parameter `b` has no value", "b"),
         ("surface_equation=x^2+*y\n", "", "+*"),
+        ("surface_equation=x+sinh(y)\n", "`sinh` is no function of Surfer", "sinh"),
         (&format!("{formula}scale_factor=big\n"), "`scale_factor` is `big`, not a number", "big"),
         (&format!("{formula}scale_factor=40\n"), "`scale_factor` is 40", "40"),
         (&format!("{formula}background_color=1 2\n"), "", "1 2"),
@@ -186,6 +188,72 @@ fn mistakes_are_named_where_they_are() {
         assert_eq!(diagnostics.len(), 1, "{text}: {diagnostics:?}");
         assert!(diagnostics[0].message.contains(message), "{text}: {diagnostics:?}");
         assert_eq!(&sources.text[diagnostics[0].span.clone()], marked, "{text}");
+    }
+}
+
+/// Other values for some lines of a file.
+fn other_values() -> impl Strategy<Value = Vec<(usize, &'static str)>> {
+    let values = prop::sample::select(vec![
+        "",
+        "0",
+        "-1",
+        "1e300",
+        "1e-300",
+        "x",
+        "ON",
+        "1 1 1",
+        "0 0 0",
+        "f(x)",
+        "x^y",
+        "\\u",
+        "\\",
+        "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1",
+        "1 0 0 9 0 1 0 9 0 0 1 9 0 0 0 1",
+        "-1e308 1e308 0",
+    ]);
+    prop::collection::vec((0..100_usize, values), 0..4)
+}
+
+/// Characters that are put in at some places.
+fn signs() -> impl Strategy<Value = Vec<(usize, char)>> {
+    let signs =
+        prop::sample::select(vec!['=', '\\', ' ', '\n', '-', '9', 'é', '(', 'x', '#', '\0']);
+    prop::collection::vec((0..2000_usize, signs), 0..4)
+}
+
+proptest! {
+    /// A damaged file is a scene, or is refused with reasons that mark places of the file.
+    #[test]
+    fn damaged_files_do_no_harm(
+        lines in other_values(),
+        signs in signs(),
+        example in 0..2_usize,
+    ) {
+        let text = fs::read_to_string(folder().join(["tubes.jsurf", "citrus.jsurf"][example])).unwrap();
+        let mut all: Vec<String> = text.lines().map(str::to_owned).collect();
+        let n = all.len();
+        for (line, value) in lines {
+            let line = &mut all[line % n];
+            *line = format!("{}={value}", line.split('=').next().unwrap_or_default());
+        }
+        let mut text = all.join("\n");
+        for (at, sign) in signs {
+            let at = text.floor_char_boundary(at % text.len());
+            text.insert(at, sign);
+        }
+        match import::convert_text(Path::new("a.jsurf"), text) {
+            Ok(converted) => {
+                let scene = scene::parse(Path::new("a.toml"), &converted.scene);
+                prop_assert!(scene.is_ok(), "{}\n{:?}", converted.scene, scene.err());
+            }
+            Err(Error::Scene(rejection)) => {
+                prop_assert!(!rejection.diagnostics.is_empty());
+                for mistake in &rejection.diagnostics {
+                    prop_assert!(rejection.sources.text.get(mistake.span.clone()).is_some());
+                }
+            }
+            Err(other) => prop_assert!(false, "{other:?}"),
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 mod jsurf;
 mod properties;
 mod similarity;
+mod values;
 
 use std::{fmt::Write as _, path::Path};
 
@@ -58,8 +59,15 @@ pub fn convert(path: &Path) -> Result<Converted> {
         let (what, limit) = (format.what, format.max_bytes >> 20);
         Error::Limit(format!("the file is larger than {limit} MiB: this is no {what} file"))
     })?;
-    let text = decode(bytes);
-    let converted = (format.import)(&Source { path, text: &text });
+    convert_text(path, decode(bytes))
+}
+
+/// As [`convert`], with the text that the file holds. Nothing is read from disk.
+///
+/// # Errors
+/// As [`convert`].
+pub fn convert_text(path: &Path, text: String) -> Result<Converted> {
+    let converted = (format(path)?.import)(&Source { path, text: &text });
     converted.map_err(|mut diagnostics| {
         diagnostics.sort_by_key(|diagnostic| diagnostic.span.start);
         let sources = Sources { path: path.to_owned(), text, ..Sources::default() };
