@@ -12,6 +12,7 @@ mod lex;
 mod literal;
 mod names;
 mod parse;
+mod povray;
 mod resolve;
 mod shapes;
 mod substitute;
@@ -32,6 +33,18 @@ use crate::{
     diagnostic::Diagnostic,
     math::{Binary, Constant, Unary},
 };
+
+/// Whether a name has a meaning of its own in formulas: a coordinate, a constant or a function.
+#[must_use]
+pub fn has_meaning(name: &str) -> bool {
+    names::exists(name) || functions::exists(name)
+}
+
+/// Whether formulas can say `name`: letters, digits and `_`, or one Greek letter.
+#[must_use]
+pub fn is_name(name: &str) -> bool {
+    lex::is_name(name)
+}
 
 /// A formula with its names resolved and common parts shared.
 #[derive(Clone, Debug)]
