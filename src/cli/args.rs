@@ -10,10 +10,11 @@ use std::{
 use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
 use clap_complete::Shell;
 
-use super::{evaluate::Evaluation, yields::Measurement};
+use super::{convert::Conversion, evaluate::Evaluation, yields::Measurement};
 use crate::{
     evaluate, gallery,
     hrb::Criterion,
+    import,
     math::SimdLevel,
     pipeline::Options,
     scene::{self, MAX_RESOLUTION, Scene},
@@ -206,6 +207,21 @@ struct EvaluateArgs {
     quiet: bool,
 }
 
+#[derive(Debug, Args)]
+struct ConvertArgs {
+    /// The file; the ending of its name tells what it is
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+
+    /// The scene file to write [default: standard output]
+    #[arg(long, short, value_name = "SCENE.toml", value_parser = scene_file)]
+    out: Option<PathBuf>,
+
+    /// Show no notes; only mistakes and failures
+    #[arg(long, short, display_order = 100)]
+    quiet: bool,
+}
+
 #[derive(Debug, Subcommand)]
 enum Subcommands {
     /// Find every mistake in scene files without rendering them
@@ -217,6 +233,9 @@ enum Subcommands {
     /// Remake the evaluation of León Salas (2008): a report on space, time and errors of octrees of
     /// samples
     Evaluate(EvaluateArgs),
+    /// Make a scene file of a file of another program
+    #[command(after_help = format!("Files that can be converted: {}", import::formats()))]
+    Convert(ConvertArgs),
     /// Print the JSON Schema of scene files, with which editors complete them
     Schema,
     /// Print a script that makes a shell complete this command
@@ -226,6 +245,15 @@ enum Subcommands {
     },
     /// Print the manual page
     Man,
+}
+
+/// The name of a scene file, so that no other file is replaced by mistake.
+fn scene_file(name: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(name);
+    match path.extension() {
+        Some(ending) if ending == "toml" => Ok(path),
+        _ => Err("the name of a scene file ends in .toml".to_owned()),
+    }
 }
 
 fn finite(text: &str) -> Result<f64, String> {
@@ -298,6 +326,8 @@ pub(super) enum Plan {
     Exhibit(Exhibition),
     /// Evaluate octrees of samples.
     Evaluate(Evaluation),
+    /// Make a scene of another program's file.
+    Convert(Conversion),
     /// Print the schema of scene files.
     Schema,
     /// Print what was made of the definition of the arguments.
@@ -341,6 +371,9 @@ fn plan(line: CommandLine) -> Result<Plan, clap::Error> {
         Some(Subcommands::Yield(args)) => measure(args),
         Some(Subcommands::Gallery(args)) => exhibit(args),
         Some(Subcommands::Evaluate(args)) => Plan::Evaluate(evaluation(args)),
+        Some(Subcommands::Convert(ConvertArgs { file, out, quiet })) => {
+            Plan::Convert(Conversion { file, out, quiet })
+        }
         Some(Subcommands::Schema) => Plan::Schema,
         Some(Subcommands::Completions { shell }) => Plan::Print(completions(shell)),
         Some(Subcommands::Man) => Plan::Print(manual()?),

@@ -26,7 +26,6 @@ mod sculpture;
 mod spanned;
 mod spec;
 mod surface;
-mod text;
 mod volume;
 
 #[cfg(test)]
