@@ -2,10 +2,19 @@
 //!
 //! What a scene cannot say is left out, with a comment in the scene and a note to the user.
 
+mod cube;
+mod elements;
 mod jsurf;
+mod molecule;
+mod pdb;
 mod properties;
+mod xyz;
 
-use std::{fmt::Write as _, path::Path};
+use std::{
+    fmt::Write as _,
+    ops::Range,
+    path::{Component, Path, PathBuf},
+};
 
 use crate::{
     Error, Result,
@@ -36,32 +45,99 @@ struct Format {
     what: &'static str,
     /// The largest file, in bytes.
     max_bytes: u64,
-    /// What makes a scene of one; the mistakes are those of its text, in any order.
-    import: fn(&Source<'_>) -> std::result::Result<Converted, Vec<Diagnostic>>,
+    import: Import,
+}
+
+/// What makes a scene of a file.
+enum Import {
+    /// Reads its text; the mistakes are those of the text, in any order.
+    Text(fn(&Source<'_>) -> std::result::Result<Converted, Vec<Diagnostic>>),
+    /// Leaves its content where it is: the scene names the file, as the second argument does. The
+    /// mistake is a sentence without the name of the file.
+    Named(fn(&Source<'_>, &str) -> std::result::Result<Converted, String>),
 }
 
 /// All formats, in the order in which they are listed to the user.
-const FORMATS: [Format; 1] =
-    [Format { ending: "jsurf", what: "Surfer", max_bytes: 4 << 20, import: jsurf::import }];
+const FORMATS: [Format; 6] = [
+    text("jsurf", "Surfer", 4, jsurf::import),
+    text("xyz", "XYZ molecule", 256, xyz::import),
+    text("pdb", "PDB molecule", 256, pdb::import),
+    text("ent", "PDB molecule", 256, pdb::import),
+    named("cube", "Gaussian cube", cube::import),
+    named("cub", "Gaussian cube", cube::import),
+];
 
-/// Makes a scene of the file at `path`; the ending of its name tells the format.
+const fn text(
+    ending: &'static str,
+    what: &'static str,
+    max_mib: u64,
+    import: fn(&Source<'_>) -> std::result::Result<Converted, Vec<Diagnostic>>,
+) -> Format {
+    Format { ending, what, max_bytes: max_mib << 20, import: Import::Text(import) }
+}
+
+const fn named(
+    ending: &'static str,
+    what: &'static str,
+    import: fn(&Source<'_>, &str) -> std::result::Result<Converted, String>,
+) -> Format {
+    Format { ending, what, max_bytes: 0, import: Import::Named(import) }
+}
+
+/// Makes a scene of the file at `path`; the ending of its name tells the format. If the scene names the
+/// file, then as it is found from `out`, where the scene is to be written, or else from where the command
+/// runs.
 ///
 /// # Errors
 /// The ending belongs to no format, or the file cannot be read, is too large or has mistakes.
-pub fn convert(path: &Path) -> Result<Converted> {
+pub fn convert(path: &Path, out: Option<&Path>) -> Result<Converted> {
     let format = format(path)?;
+    let rejected = |text, mut diagnostics: Vec<Diagnostic>| {
+        diagnostics.sort_by_key(|diagnostic| diagnostic.span.start);
+        let sources = Sources { path: path.to_owned(), text, ..Sources::default() };
+        Error::Scene(Box::new(Rejection { sources, diagnostics }))
+    };
+    match format.import {
+        Import::Text(import) => {
+            let text = read(path, format)?;
+            let converted = import(&Source { path, text: &text });
+            converted.map_err(|diagnostics| rejected(text, diagnostics))
+        }
+        Import::Named(import) => {
+            let converted = import(&Source { path, text: "" }, &name_from(path, out));
+            converted.map_err(|why| {
+                let message = format!("the file cannot be used: {why}");
+                rejected(String::new(), vec![Diagnostic::new(0..0, message)])
+            })
+        }
+    }
+}
+
+/// The text of a file.
+fn read(path: &Path, format: &Format) -> Result<String> {
     let failed = |source| Error::Io { action: "read", path: path.to_owned(), source };
     let bytes = files::read(path, format.max_bytes).map_err(failed)?.ok_or_else(|| {
         let (what, limit) = (format.what, format.max_bytes >> 20);
         Error::Limit(format!("the file is larger than {limit} MiB: this is no {what} file"))
     })?;
-    let text = decode(bytes);
-    let converted = (format.import)(&Source { path, text: &text });
-    converted.map_err(|mut diagnostics| {
-        diagnostics.sort_by_key(|diagnostic| diagnostic.span.start);
-        let sources = Sources { path: path.to_owned(), text, ..Sources::default() };
-        Error::Scene(Box::new(Rejection { sources, diagnostics }))
-    })
+    Ok(decode(bytes))
+}
+
+/// What the file at `path` is called in a scene at `out`.
+fn name_from(path: &Path, out: Option<&Path>) -> String {
+    let written = |path: &Path| path.to_string_lossy().into_owned();
+    let Some(out) = out else { return written(path) };
+    let folder = match out.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    // A folder that is not there is a mistake that is told when the scene is written.
+    let (Ok(file), Ok(folder)) = (path.canonicalize(), folder.canonicalize()) else {
+        return written(path);
+    };
+    let n_shared = file.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    let up = folder.components().skip(n_shared).map(|_| Component::ParentDir);
+    written(&up.chain(file.components().skip(n_shared)).collect::<PathBuf>())
 }
 
 /// The endings of files that can be converted, with what they are.
@@ -83,6 +159,17 @@ fn format(path: &Path) -> Result<&'static Format> {
 fn decode(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes)
         .unwrap_or_else(|error| error.as_bytes().iter().copied().map(char::from).collect())
+}
+
+/// The lines of a text, and where they stand.
+fn lines(text: &str) -> impl Iterator<Item = (&str, Range<usize>)> {
+    let mut start = 0;
+    text.split_inclusive('\n').map(move |whole| {
+        let line = whole.trim_end_matches(['\r', '\n']);
+        let at = start..start + line.len();
+        start += whole.len();
+        (line, at)
+    })
 }
 
 /// The first line of a scene: what it was made of.
