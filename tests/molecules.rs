@@ -220,7 +220,7 @@ fn converted(name: &str, text: &str) -> (Scene, Vec<String>) {
     let (folder, path) = file(name, text);
     let out = folder.path().join("scenes/a.toml");
     fs::create_dir(folder.path().join("scenes")).unwrap();
-    let converted = import::convert(&path, Some(&out)).unwrap();
+    let converted = import::convert_to(&path, &out).unwrap();
     fs::write(&out, &converted.scene).unwrap();
     (scene::load(&out).unwrap(), converted.notes)
 }

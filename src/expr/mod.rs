@@ -12,6 +12,7 @@ mod lex;
 mod literal;
 mod names;
 mod parse;
+mod povray;
 mod resolve;
 mod shapes;
 mod substitute;
@@ -32,6 +33,12 @@ use crate::{
     diagnostic::Diagnostic,
     math::{Binary, Constant, Unary},
 };
+
+/// Whether a name has a meaning of its own in formulas: a coordinate, a constant or a function.
+#[must_use]
+pub fn has_meaning(name: &str) -> bool {
+    names::exists(name) || functions::exists(name)
+}
 
 /// A formula with its names resolved and common parts shared.
 #[derive(Clone, Debug)]

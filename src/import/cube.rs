@@ -43,8 +43,9 @@ pub(super) fn import(source: &Source<'_>, name: &str) -> Result<Converted, Refus
     if n_ghosts > 0 {
         notes.push(format!("{n_ghosts} points that are no atoms are left out"));
     }
-    let mut scene = header(source);
+    let mut scene = header(source, "a Gaussian cube file");
     comments(&mut scene, &notes);
+    scene.push_str("version = 1\n");
     let note = if atoms.is_empty() { cube.titles[1].clone() } else { formula(&atoms) };
     about(&mut scene, Some(&cube.titles[0]), &note);
     for (sign, range, color) in surface.ranges() {

@@ -8,6 +8,7 @@ mod jsurf;
 mod molecule;
 mod pdb;
 mod properties;
+mod similarity;
 mod xyz;
 
 use std::{
@@ -15,6 +16,8 @@ use std::{
     ops::Range,
     path::{Component, Path, PathBuf},
 };
+
+use glam::DVec3;
 
 use crate::{
     Error, Result,
@@ -85,12 +88,25 @@ const fn named(
 }
 
 /// Makes a scene of the file at `path`; the ending of its name tells the format. If the scene names the
-/// file, then as it is found from `out`, where the scene is to be written, or else from where the command
-/// runs.
+/// file, then as `path` does.
 ///
 /// # Errors
 /// The ending belongs to no format, or the file cannot be read, is too large or has mistakes.
-pub fn convert(path: &Path, out: Option<&Path>) -> Result<Converted> {
+pub fn convert(path: &Path) -> Result<Converted> {
+    convert_as(path, &path.to_string_lossy())
+}
+
+/// As [`convert`], for a scene that will be the file `scene`: if it names the file at `path`, then as it is
+/// found from there.
+///
+/// # Errors
+/// As [`convert`].
+pub fn convert_to(path: &Path, scene: &Path) -> Result<Converted> {
+    convert_as(path, &name_from(path, scene))
+}
+
+/// As [`convert`]; if the scene names the file, then as `name`.
+fn convert_as(path: &Path, name: &str) -> Result<Converted> {
     let format = format(path)?;
     let rejected = |text, mut diagnostics: Vec<Diagnostic>| {
         diagnostics.sort_by_key(|diagnostic| diagnostic.span.start);
@@ -104,7 +120,7 @@ pub fn convert(path: &Path, out: Option<&Path>) -> Result<Converted> {
             converted.map_err(|diagnostics| rejected(text, diagnostics))
         }
         Import::Named(import) => {
-            let converted = import(&Source { path, text: "" }, &name_from(path, out));
+            let converted = import(&Source { path, text: "" }, name);
             converted.map_err(|why| {
                 let message = format!("the file cannot be used: {why}");
                 rejected(String::new(), vec![Diagnostic::new(0..0, message)])
@@ -123,11 +139,10 @@ fn read(path: &Path, format: &Format) -> Result<String> {
     Ok(decode(bytes))
 }
 
-/// What the file at `path` is called in a scene at `out`.
-fn name_from(path: &Path, out: Option<&Path>) -> String {
+/// What the file at `path` is called in the file `scene`.
+fn name_from(path: &Path, scene: &Path) -> String {
     let written = |path: &Path| path.to_string_lossy().into_owned();
-    let Some(out) = out else { return written(path) };
-    let folder = match out.parent() {
+    let folder = match scene.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
@@ -172,15 +187,39 @@ fn lines(text: &str) -> impl Iterator<Item = (&str, Range<usize>)> {
     })
 }
 
-/// The first line of a scene: what it was made of.
-fn header(source: &Source<'_>) -> String {
+/// The first line of a scene: the file that it was made of, and what that is.
+fn header(source: &Source<'_>, what: &str) -> String {
     let name = source.path.file_name().unwrap_or_default().to_string_lossy();
-    format!("# Converted from {}.\nversion = 1\n", line(&name))
+    format!("# Converted from {}, {what}.\n", line(&name))
+}
+
+/// `value` with nine digits, which is more than other programs' files have.
+fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.8e}").parse().unwrap_or(value);
+    // Not -0.
+    (rounded + 0.0).to_string()
+}
+
+/// `v` without parts that are nothing beside `size`.
+fn snapped(v: DVec3, size: f64) -> DVec3 {
+    let part = |part: f64| if part.abs() > 1e-9 * size { part } else { 0.0 };
+    DVec3::from(v.to_array().map(part))
+}
+
+/// A vector of TOML.
+fn vector(v: DVec3) -> String {
+    format!("[{}]", v.to_array().map(number).join(", "))
 }
 
 /// A string of TOML that holds `text`.
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
+}
+
+/// A key of TOML.
+fn key(name: &str) -> String {
+    let is_bare = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
+    if !name.is_empty() && name.chars().all(is_bare) { name.to_owned() } else { quoted(name) }
 }
 
 /// `text` as a part of one line of a comment.
@@ -206,6 +245,18 @@ mod tests {
         for name in ["a", "a.png", "jsurf"] {
             assert!(matches!(format(Path::new(name)), Err(Error::Unknown(_))), "{name}");
         }
+    }
+
+    #[test]
+    fn files_are_named_from_where_the_scene_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir_all(at("a/b")).unwrap();
+        std::fs::write(at("a/c.cube"), "").unwrap();
+        let name = |scene: &str| name_from(&at("a/c.cube"), &at(scene));
+        assert_eq!(name("a/s.toml"), "c.cube");
+        assert_eq!(name("s.toml"), "a/c.cube");
+        assert_eq!(name("a/b/s.toml"), "../c.cube");
     }
 
     #[test]

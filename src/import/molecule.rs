@@ -90,13 +90,14 @@ pub(super) fn formula(atoms: &[Atom]) -> String {
 
 /// The scene of a molecule alone.
 pub(super) fn converted(
-    source: &Source<'_>,
+    (source, what): (&Source<'_>, &str),
     title: Option<&str>,
     atoms: &[Atom],
     notes: Vec<String>,
 ) -> Converted {
-    let mut scene = header(source);
+    let mut scene = header(source, what);
     comments(&mut scene, &notes);
+    scene.push_str("version = 1\n");
     about(&mut scene, title, &format!("{}: {} atoms", formula(atoms), atoms.len()));
     surfaces(&mut scene, atoms, Style::Spheres);
     camera(&mut scene, atoms, 0.5);

@@ -48,7 +48,7 @@ pub(super) fn import(source: &Source<'_>) -> Result<Converted, Vec<Diagnostic>> 
     if n_guessed > 0 {
         notes.push(format!("the elements of {n_guessed} atoms were guessed from their names"));
     }
-    Ok(converted(source, Some(&title), &atoms, notes))
+    Ok(converted((source, "a PDB file"), Some(&title), &atoms, notes))
 }
 
 /// What a file says of the first of its models.

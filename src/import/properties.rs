@@ -11,8 +11,6 @@ use crate::diagnostic::Diagnostic;
 pub(super) struct Property {
     pub(super) key: String,
     pub(super) value: String,
-    /// Where the key stands.
-    pub(super) key_span: Range<usize>,
     /// Where the value stands.
     pub(super) span: Range<usize>,
     /// Whether the file holds the value letter by letter, without escapes.
@@ -75,7 +73,7 @@ impl Cursor<'_> {
             }
             Some(_) => {}
         }
-        let (key, key_span) = self.part(|c| is_blank(c) || matches!(c, '=' | ':'))?;
+        let (key, _) = self.part(|c| is_blank(c) || matches!(c, '=' | ':'))?;
         self.skip(is_blank);
         if matches!(self.peek(), Some('=' | ':')) {
             self.next();
@@ -83,7 +81,7 @@ impl Cursor<'_> {
         }
         let (value, span) = self.part(|_| false)?;
         let is_plain = self.text[span.clone()] == value;
-        Ok(Some(Property { key, value, key_span, span, is_plain }))
+        Ok(Some(Property { key, value, span, is_plain }))
     }
 
     /// What stands before the end of the logical line, or before a character that ends the part.
@@ -159,7 +157,6 @@ mod tests {
         let [a, b] = read(text).unwrap().try_into().unwrap();
         assert_eq!(&text[a.place(&(1..2))], "+");
         assert_eq!((b.value.as_str(), &text[b.place(&(1..2))]), ("x+y", "x\\u002by"));
-        assert_eq!(&text[b.key_span], "b");
     }
 
     #[test]

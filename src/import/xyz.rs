@@ -29,7 +29,7 @@ pub(super) fn import(source: &Source<'_>) -> Result<Converted, Vec<Diagnostic>> 
     }
     // What programs write for each other is no title.
     let title = Some(title).filter(|title| !title.contains('='));
-    Ok(converted(source, title, &atoms, notes))
+    Ok(converted((source, "an XYZ file"), title, &atoms, notes))
 }
 
 /// The first frame of a file.
