@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot prepare its case has failed")]
 
-use std::{fmt::Write as _, fs, path::Path};
+use std::{fmt::Write as _, fs, path::Path, process::Command};
 
 use tempfile::TempDir;
 use zeroset::{
@@ -205,14 +205,14 @@ fn oblique_axes_are_followed() {
             steps.iter().zip(index).map(|(step, i)| i * step[axis]).sum::<f64>() - middle[axis]
         });
         let squared: f64 = from_middle.iter().map(|d| d * d).sum();
-        let _ = writeln!(text, "{:.5}", 1.0 - squared);
+        let _ = writeln!(text, "{:.5}", 4.0 - squared);
     }
     let (_folder, path) = file("a.cube", &text);
     let volume = Volume::read(&path, None).unwrap();
     let ball = isosurface(&volume, 0.0, Tolerance::default(), Border::Open);
     assert_eq!(ball.health(), Health::default());
     let pi = std::f64::consts::PI;
-    expect(&ball, 4.0 * pi, 4.0 / 3.0 * pi, 1, WRONG);
+    expect(&ball, 16.0 * pi, 32.0 / 3.0 * pi, 1, WRONG);
 }
 
 /// What a scene says of colours and meshes: what is converted can be loaded.
@@ -252,7 +252,9 @@ fn xyz_files_become_scenes() {
 
 #[test]
 fn cube_files_become_scenes() {
-    let (scene, notes) = converted("orbital.cube", &cube(&ORBITALS[0], 40));
+    // Nine tenths of the electron need more room.
+    let [orbital, _] = ORBITALS;
+    let (scene, notes) = converted("orbital.cube", &cube(&Orbital { reach: 16.0, ..orbital }, 60));
     assert!(notes.is_empty());
     let names: Vec<&str> = scene.isosurfaces.iter().map(|mesh| mesh.name.as_str()).collect();
     assert_eq!(names, ["positive", "negative"]);
@@ -262,6 +264,37 @@ fn cube_files_become_scenes() {
     assert!((up.volume / down.volume - 1.0).abs() < 1e-3 && up.volume > 0.0);
     let heights = |i: usize| scene.isosurfaces[i].positions.iter().map(|p| p[2]);
     assert!(heights(0).all(|z| z > 0.0) && heights(1).all(|z| z < 0.0));
+}
+
+/// The commands and the two volumes that README shows, with files of these names.
+#[test]
+fn readme_tells_what_can_be_done() {
+    let readme =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
+    let blocks: Vec<&str> = readme.split("```").skip(1).step_by(2).collect();
+    let block = |marker: &str| *blocks.iter().find(|block| block.contains(marker)).unwrap();
+    let folder = TempDir::new().unwrap();
+    let [orbital, _] = ORBITALS;
+    for (name, text) in [
+        ("caffeine.xyz", "1\n\nN 0 0 0\n".to_owned()),
+        ("1crn.pdb", protein()),
+        ("homo.cube", cube(&orbital, 30)),
+    ] {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
+    let commands = block("render convert caffeine.xyz").lines().skip(1);
+    for line in commands {
+        let words = line.split('#').next().unwrap().split_whitespace().skip(1);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_render"));
+        let output = command.args(words).current_dir(folder.path()).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{line}: {output:?}");
+        let scene = line.split_whitespace().skip_while(|&word| word != "-o").nth(1).unwrap();
+        scene::load(&folder.path().join(scene)).unwrap();
+    }
+    let volumes = block("[-inf, -0.03]").trim_start_matches("toml");
+    let path = folder.path().join("volumes.toml");
+    fs::write(&path, format!("version = 1\n{volumes}")).unwrap();
+    assert_eq!(scene::load(&path).unwrap().isosurfaces.len(), 2);
 }
 
 /// A ball of atoms as close to each other as those of a protein: 5,000 of them.
