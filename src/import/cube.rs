@@ -15,8 +15,10 @@ use crate::volume::{CubeHeader, Refusal, Samples, Volume};
 /// The part of its square that the surface of an orbital holds: that of the electron.
 const OF_ORBITAL: f64 = 0.9;
 
-/// The part of a density that its surface holds.
-const OF_DENSITY: f64 = 0.98;
+/// Where the density of electrons, for each cubic Bohr, ends a molecule. *Based on:* R. Bader and others,
+/// "Properties of atoms in molecules: atomic volumes" (1987). A part of all electrons would be no measure:
+/// a sample on a heavy nucleus may count as more than all others.
+const OF_DENSITY: f64 = 0.002;
 
 /// Values below 0 are noise if they are less than this part of the largest.
 const NOISE: f64 = 0.01;
@@ -69,25 +71,16 @@ struct Isosurface {
 }
 
 impl Isosurface {
-    /// The one that holds most of an orbital or a density; nothing if there is none.
+    /// The one that holds most of an orbital, or a molecule by its density; nothing if there is none.
     fn of(volume: &Volume) -> Option<Self> {
-        let Samples::F32(samples) = &volume.samples else { return None };
         let [low, high] = volume.range();
         let has_signs = low < -NOISE * high;
-        let power = if has_signs { 2 } else { 1 };
-        let part = if has_signs { OF_ORBITAL } else { OF_DENSITY };
-        let mut values: Vec<f32> = samples.iter().map(|v| v.abs()).collect();
-        values.retain(|v| v.is_finite());
-        values.sort_unstable_by(|a, b| b.total_cmp(a));
-        let share = |v: &f32| f64::from(*v).powi(power);
-        let wanted = part * values.iter().map(share).sum::<f64>();
-        let mut held = 0.0;
-        let isovalue = values.iter().find(|v| {
-            held += share(v);
-            held >= wanted
-        })?;
-        // Two digits are as many as one would choose.
-        let isovalue: f64 = format!("{isovalue:.1e}").parse().ok()?;
+        let isovalue = match has_signs {
+            true => that_holds(OF_ORBITAL, volume)?,
+            // What is no density of electrons, or none that matters.
+            false if high < 10.0 * OF_DENSITY => two_digits(0.1 * high)?,
+            false => OF_DENSITY,
+        };
         (0.0 < isovalue && isovalue <= high.max(-low)).then_some(Self { isovalue, has_signs })
     }
 
@@ -102,5 +95,58 @@ impl Isosurface {
                 ("negative", format!("range = [-inf, -{isovalue}]"), "#e84545"),
             ],
         }
+    }
+}
+
+/// The value at and above which samples hold this part of the sum of all squares, whatever their signs.
+fn that_holds(part: f64, volume: &Volume) -> Option<f64> {
+    let Samples::F32(samples) = &volume.samples else { return None };
+    let mut values: Vec<f32> = samples.iter().map(|v| v.abs()).collect();
+    values.retain(|v| v.is_finite());
+    values.sort_unstable_by(|a, b| b.total_cmp(a));
+    let square = |v: f32| f64::from(v) * f64::from(v);
+    let wanted = part * values.iter().copied().map(square).sum::<f64>();
+    let mut held = 0.0;
+    let found = values.into_iter().find(|&v| {
+        held += square(v);
+        held >= wanted
+    })?;
+    two_digits(found.into())
+}
+
+/// As many digits as one would choose.
+fn two_digits(value: f64) -> Option<f64> {
+    format!("{value:.1e}").parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+
+    use super::*;
+
+    fn surface(samples: &[f32]) -> Option<Isosurface> {
+        let size = [samples.len() as u32, 1, 1];
+        let samples = Samples::F32(samples.to_vec());
+        Isosurface::of(&Volume { size, samples, placing: DAffine3::IDENTITY })
+    }
+
+    #[test]
+    fn nine_tenths_of_an_orbital_are_held() {
+        // Squares 100, 64, 36, 4, 1: the first three are more than nine tenths, two are not.
+        let found = surface(&[0.1, -0.2, 0.8, f32::NAN, 0.6, -1.0]);
+        assert_eq!(found, Some(Isosurface { isovalue: 0.6, has_signs: true }));
+        let ranges: Vec<String> =
+            found.unwrap().ranges().into_iter().map(|(_, range, _)| range).collect();
+        assert_eq!(ranges, ["isovalue = 0.6", "range = [-inf, -0.6]"]);
+    }
+
+    #[test]
+    fn densities_end_where_molecules_do() {
+        let positive = |isovalue| Some(Isosurface { isovalue, has_signs: false });
+        assert_eq!(surface(&[0.0, 195.0, 0.1, -1e-6]), positive(0.002));
+        assert_eq!(surface(&[0.0, 0.012_34]), positive(0.0012));
+        assert_eq!(surface(&[0.0, 0.0]), None);
+        assert_eq!(surface(&[f32::NAN]), None);
     }
 }
