@@ -8,6 +8,7 @@ use std::{
     process::{Command, Output},
 };
 
+use proptest::prelude::*;
 use zeroset::{
     Error,
     diagnostic::Rejection,
@@ -62,6 +63,15 @@ fn all_examples_are_scenes() {
     assert!(n >= 3, "{n} examples");
 }
 
+#[test]
+fn the_scene_in_configs_is_what_its_file_becomes() {
+    let scene = import::convert(&folder().join("tubes.jsurf")).unwrap().scene;
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/tubes.toml");
+    // An editor's first line stands before it.
+    let text = fs::read_to_string(path).unwrap();
+    assert_eq!(text.split_once('\n').unwrap().1, scene);
+}
+
 /// Where a small ball at (x, y, z) of the formula is in Surfer's picture, from -1 to 1.
 fn expected_place(rows: [[f64; 3]; 3], scale: f64, ball: [f64; 3]) -> [f64; 2] {
     // Surfer's rays go from camera to ball by the matrix, and to the formula by the scale: the way
@@ -79,7 +89,7 @@ fn things_are_where_surfer_shows_them() {
         ([[s, -s, 0.0], [0.5, 0.5, -s], [0.5, 0.5, s]], -0.2),
     ];
     for (rows, exponent) in turns {
-        let scale = 10_f64.powf(exponent);
+        let scale = libm::pow(10.0, exponent);
         let ball = [0.3, 0.5, -0.2].map(|v| v * scale);
         let [x, y, z] = ball;
         let matrix: Vec<String> = rows.iter().map(|[a, b, c]| format!("{a} {b} {c} 0")).collect();
@@ -87,7 +97,7 @@ fn things_are_where_surfer_shows_them() {
             "surface_equation=(x-{x})^2+(y-{y})^2+(z+{})^2-{}\nscale_factor={exponent}\n\
              rotation_matrix={} 0 0 0 1\n",
             -z,
-            (0.1 * scale).powi(2),
+            0.01 * scale * scale,
             matrix.join(" ")
         );
         let (mut scene, notes) = converted("ball.jsurf", &text);
@@ -154,6 +164,7 @@ fn mistakes_are_named_where_they_are() {
         ("a=1\n", "the file has no `surface_equation`", ""),
         ("surface_equation=x^2+b*y\n", "the parameter `b` has no value", "b"),
         ("surface_equation=x^2+*y\n", "", "+*"),
+        ("surface_equation=x+sinh(y)\n", "`sinh` is no function of Surfer", "sinh"),
         (&format!("{formula}scale_factor=big\n"), "`scale_factor` is `big`, not a number", "big"),
         (&format!("{formula}scale_factor=40\n"), "`scale_factor` is 40", "40"),
         (&format!("{formula}background_color=1 2\n"), "", "1 2"),
@@ -177,6 +188,72 @@ fn mistakes_are_named_where_they_are() {
         assert_eq!(diagnostics.len(), 1, "{text}: {diagnostics:?}");
         assert!(diagnostics[0].message.contains(message), "{text}: {diagnostics:?}");
         assert_eq!(&sources.text[diagnostics[0].span.clone()], marked, "{text}");
+    }
+}
+
+/// Other values for some lines of a file.
+fn other_values() -> impl Strategy<Value = Vec<(usize, &'static str)>> {
+    let values = prop::sample::select(vec![
+        "",
+        "0",
+        "-1",
+        "1e300",
+        "1e-300",
+        "x",
+        "ON",
+        "1 1 1",
+        "0 0 0",
+        "f(x)",
+        "x^y",
+        "\\u",
+        "\\",
+        "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1",
+        "1 0 0 9 0 1 0 9 0 0 1 9 0 0 0 1",
+        "-1e308 1e308 0",
+    ]);
+    prop::collection::vec((0..100_usize, values), 0..4)
+}
+
+/// Characters that are put in at some places.
+fn signs() -> impl Strategy<Value = Vec<(usize, char)>> {
+    let signs =
+        prop::sample::select(vec!['=', '\\', ' ', '\n', '-', '9', 'é', '(', 'x', '#', '\0']);
+    prop::collection::vec((0..2000_usize, signs), 0..4)
+}
+
+proptest! {
+    /// A damaged file is a scene, or is refused with reasons that mark places of the file.
+    #[test]
+    fn damaged_files_do_no_harm(
+        lines in other_values(),
+        signs in signs(),
+        example in 0..2_usize,
+    ) {
+        let text = fs::read_to_string(folder().join(["tubes.jsurf", "citrus.jsurf"][example])).unwrap();
+        let mut all: Vec<String> = text.lines().map(str::to_owned).collect();
+        let n = all.len();
+        for (line, value) in lines {
+            let line = &mut all[line % n];
+            *line = format!("{}={value}", line.split('=').next().unwrap_or_default());
+        }
+        let mut text = all.join("\n");
+        for (at, sign) in signs {
+            let at = text.floor_char_boundary(at % text.len());
+            text.insert(at, sign);
+        }
+        match import::convert_text(Path::new("a.jsurf"), text) {
+            Ok(converted) => {
+                let scene = scene::parse(Path::new("a.toml"), &converted.scene);
+                prop_assert!(scene.is_ok(), "{}\n{:?}", converted.scene, scene.err());
+            }
+            Err(Error::Scene(rejection)) => {
+                prop_assert!(!rejection.diagnostics.is_empty());
+                for mistake in &rejection.diagnostics {
+                    prop_assert!(rejection.sources.text.get(mistake.span.clone()).is_some());
+                }
+            }
+            Err(other) => prop_assert!(false, "{other:?}"),
+        }
     }
 }
 

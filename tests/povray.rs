@@ -4,7 +4,7 @@
 //! remainders; the formulas under test know none of these.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot prepare its case has failed")]
-#![expect(clippy::suboptimal_flops, reason = "written as in the source")]
+#![expect(clippy::disallowed_methods, reason = "compared within a tolerance")]
 #![expect(clippy::too_many_lines, reason = "a table of all functions")]
 
 use std::{

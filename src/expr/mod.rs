@@ -40,6 +40,12 @@ pub fn has_meaning(name: &str) -> bool {
     names::exists(name) || functions::exists(name)
 }
 
+/// Whether formulas can say `name`: letters, digits and `_`, or one Greek letter.
+#[must_use]
+pub fn is_name(name: &str) -> bool {
+    lex::is_name(name)
+}
+
 /// A formula with its names resolved and common parts shared.
 #[derive(Clone, Debug)]
 pub struct Expr {

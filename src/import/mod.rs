@@ -9,6 +9,7 @@ mod molecule;
 mod pdb;
 mod properties;
 mod similarity;
+mod values;
 mod xyz;
 
 use std::{
@@ -54,11 +55,14 @@ struct Format {
 /// What makes a scene of a file.
 enum Import {
     /// Reads its text; the mistakes are those of the text, in any order.
-    Text(fn(&Source<'_>) -> std::result::Result<Converted, Vec<Diagnostic>>),
+    Text(OfText),
     /// Leaves its content where it is: the scene names the file, as the second argument does. The
     /// mistake is a sentence without the name of the file.
-    Named(fn(&Source<'_>, &str) -> std::result::Result<Converted, String>),
+    Named(OfFile),
 }
+
+type OfText = fn(&Source<'_>) -> std::result::Result<Converted, Vec<Diagnostic>>;
+type OfFile = fn(&Source<'_>, &str) -> std::result::Result<Converted, String>;
 
 /// All formats, in the order in which they are listed to the user.
 const FORMATS: [Format; 6] = [
@@ -70,20 +74,11 @@ const FORMATS: [Format; 6] = [
     named("cub", "Gaussian cube", cube::import),
 ];
 
-const fn text(
-    ending: &'static str,
-    what: &'static str,
-    max_mib: u64,
-    import: fn(&Source<'_>) -> std::result::Result<Converted, Vec<Diagnostic>>,
-) -> Format {
+const fn text(ending: &'static str, what: &'static str, max_mib: u64, import: OfText) -> Format {
     Format { ending, what, max_bytes: max_mib << 20, import: Import::Text(import) }
 }
 
-const fn named(
-    ending: &'static str,
-    what: &'static str,
-    import: fn(&Source<'_>, &str) -> std::result::Result<Converted, String>,
-) -> Format {
+const fn named(ending: &'static str, what: &'static str, import: OfFile) -> Format {
     Format { ending, what, max_bytes: 0, import: Import::Named(import) }
 }
 
@@ -105,28 +100,43 @@ pub fn convert_to(path: &Path, scene: &Path) -> Result<Converted> {
     convert_as(path, &name_from(path, scene))
 }
 
+/// As [`convert`], with the text that the file holds. Nothing is read from disk.
+///
+/// # Errors
+/// As [`convert`]; also if the file holds no text.
+pub fn convert_text(path: &Path, text: String) -> Result<Converted> {
+    match format(path)?.import {
+        Import::Text(import) => of_text(import, path, text),
+        Import::Named(_) => {
+            Err(Error::Unknown(format!("{} is looked at on disk alone", path.display())))
+        }
+    }
+}
+
 /// As [`convert`]; if the scene names the file, then as `name`.
 fn convert_as(path: &Path, name: &str) -> Result<Converted> {
     let format = format(path)?;
-    let rejected = |text, mut diagnostics: Vec<Diagnostic>| {
-        diagnostics.sort_by_key(|diagnostic| diagnostic.span.start);
-        let sources = Sources { path: path.to_owned(), text, ..Sources::default() };
-        Error::Scene(Box::new(Rejection { sources, diagnostics }))
-    };
     match format.import {
-        Import::Text(import) => {
-            let text = read(path, format)?;
-            let converted = import(&Source { path, text: &text });
-            converted.map_err(|diagnostics| rejected(text, diagnostics))
-        }
+        Import::Text(import) => of_text(import, path, read(path, format)?),
         Import::Named(import) => {
             let converted = import(&Source { path, text: "" }, name);
             converted.map_err(|why| {
                 let message = format!("the file cannot be used: {why}");
-                rejected(String::new(), vec![Diagnostic::new(0..0, message)])
+                rejected(path, String::new(), vec![Diagnostic::new(0..0, message)])
             })
         }
     }
+}
+
+fn of_text(import: OfText, path: &Path, text: String) -> Result<Converted> {
+    let converted = import(&Source { path, text: &text });
+    converted.map_err(|diagnostics| rejected(path, text, diagnostics))
+}
+
+fn rejected(path: &Path, text: String, mut diagnostics: Vec<Diagnostic>) -> Error {
+    diagnostics.sort_by_key(|diagnostic| diagnostic.span.start);
+    let sources = Sources { path: path.to_owned(), text, ..Sources::default() };
+    Error::Scene(Box::new(Rejection { sources, diagnostics }))
 }
 
 /// The text of a file.
