@@ -48,7 +48,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "voxelize",
         ],
     ),
-    ("import", &["diagnostic", "expr", "files"]),
+    ("import", &["diagnostic", "expr", "files", "volume"]),
     ("statistics", &["math", "mesh", "octree", "raster", "voxelize"]),
     ("limits", &["math", "memory", "octree", "raster"]),
     ("advice", &["expr", "math", "octree", "voxelize"]),

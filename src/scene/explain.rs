@@ -44,7 +44,9 @@ pub(super) fn unknown_section(key: &str, span: Range<usize>) -> Diagnostic {
 /// Where a key belongs that people write without its section.
 fn place_of(key: &str) -> Option<&'static str> {
     Some(match key {
-        "f" | "shape" | "blend" | "file" | "inside" | "color" | "back_color" => "[[surface]]",
+        "f" | "shape" | "blend" | "spheres" | "file" | "inside" | "color" | "back_color" => {
+            "[[surface]]"
+        }
         "clip" | "cap" => "[domain], for all surfaces, or below a [[surface]]",
         "min" | "max" => "[domain]",
         "resolution" => "[voxels]",
