@@ -16,7 +16,7 @@ pub(super) struct Pace {
     pub(super) n_left: u32,
 }
 
-/// `, 2.5/s, 40 s to go`, once a frame is done.
+/// ` (2.5/s, 40 s to go)`, once a frame is done.
 impl fmt::Display for Pace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let elapsed = self.start.elapsed().as_secs_f64();
@@ -25,11 +25,11 @@ impl fmt::Display for Pace {
         }
         let rate = f64::from(self.n_done) / elapsed;
         let seconds = (f64::from(self.n_left) / rate).ceil();
-        write!(f, ", {rate:.1}/s, ")?;
+        write!(f, " ({rate:.1}/s, ")?;
         match seconds {
-            ..120.0 => write!(f, "{seconds} s to go"),
-            ..7200.0 => write!(f, "{:.0} min to go", seconds / 60.0),
-            _ => write!(f, "{:.0} h to go", seconds / 3600.0),
+            ..120.0 => write!(f, "{seconds} s to go)"),
+            ..7200.0 => write!(f, "{:.0} min to go)", seconds / 60.0),
+            _ => write!(f, "{:.0} h to go)", seconds / 3600.0),
         }
     }
 }
@@ -71,8 +71,8 @@ mod tests {
             Pace { start, n_done, n_left }.to_string()
         };
         assert_eq!(pace(7.0, 0, 5), "");
-        assert_eq!(pace(8.0, 4, 9), ", 0.5/s, 19 s to go");
-        assert_eq!(pace(1.0, 10, 3000), ", 10.0/s, 5 min to go");
-        assert_eq!(pace(50.0, 5, 3600), ", 0.1/s, 10 h to go");
+        assert_eq!(pace(8.0, 4, 9), " (0.5/s, 19 s to go)");
+        assert_eq!(pace(1.0, 10, 3000), " (10.0/s, 5 min to go)");
+        assert_eq!(pace(50.0, 5, 3600), " (0.1/s, 10 h to go)");
     }
 }
