@@ -2,6 +2,7 @@
 
 mod animation;
 mod camera;
+mod caption;
 mod clip;
 mod color;
 mod coloring;

@@ -1,7 +1,7 @@
 //! The voxels that hold singular points, cusps, tips and edges are stored: there formulas vanish to a higher
 //! order, or have kinks, and a search that relies on signs or gradients would lose them.
 
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};
 
 use glam::DVec3;
 use zeroset::{
@@ -92,7 +92,7 @@ fn special_points() -> Vec<(&'static str, Kind, Vec<[f64; 3]>)> {
             vec![[0.5, 0.5, -0.5], [0.5, -0.5, 0.5], [-0.5, 0.5, 0.5], [-0.5, -0.5, -0.5]],
         ),
         ("kummer_quartic", Singular, kummer(1.69)),
-        ("chmutov_quartic_12", Singular, pyrite(&[[0.5 * SQRT_2, 0.5 * SQRT_2, 0.0]])),
+        ("chmutov_quartic_12", Singular, pyrite(&[[FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0]])),
         ("togliatti_quintic", Singular, togliatti()),
         ("barth_sextic", Singular, [icosidodecahedron.clone(), dodecahedron].concat()),
         ("barth_sextic_30_cusps", Singular, icosidodecahedron),
@@ -115,7 +115,7 @@ fn special_points() -> Vec<(&'static str, Kind, Vec<[f64; 3]>)> {
         ("astroidal_ellipsoid", Kink, on_axes(&[1.0])),
         ("distel", Kink, on_axes(&[1.0])),
         ("steinmetz_2", Kink, around(40, |t| [libm::cos(t), libm::sin(t), libm::sin(t)])),
-        ("steinmetz_3", Kink, pyrite(&[[0.5 * SQRT_2, 0.5 * SQRT_2, 0.5 * SQRT_2]])),
+        ("steinmetz_3", Kink, pyrite(&[[FRAC_1_SQRT_2, FRAC_1_SQRT_2, FRAC_1_SQRT_2]])),
         ("pseudosphere", Kink, around(40, |t| [libm::cos(t), libm::sin(t), 0.0])),
     ]
 }
@@ -156,20 +156,20 @@ fn togliatti() -> Vec<[f64; 3]> {
 const BARTH_DECIC: &[[f64; 3]] = &[
     [0.083_462_633_855_547_3, 0.572_061_402_817_684_4, 0.218_508_012_224_410_55],
     [0.353_553_390_593_273_8, 0.135_045_378_368_863_2, 0.488_598_768_962_136_94],
-    [0.437_016_024_448_821_07, 0.0, 0.437_016_024_448_821_07],
+    [0.437_016_024_448_821_1, 0.0, 0.437_016_024_448_821_1],
     [0.309_016_994_374_947_4, 0.5, 0.190_983_005_625_052_58],
     [0.618_033_988_749_894_8, 0.0, 0.0],
     [0.301_970_646_079_957_8, 0.218_508_012_224_410_55, 0.623_644_147_331_000_3],
-    [0.0, 0.707_106_781_186_547_6, 0.166_925_267_711_094_6],
+    [0.0, FRAC_1_SQRT_2, 0.166_925_267_711_094_6],
     [0.488_598_768_962_137, 0.520_478_658_304_368_5, 0.135_045_378_368_863_2],
     [0.790_569_415_042_094_8, 0.572_061_402_817_684_3, 0.218_508_012_224_410_55],
     [1.0, 0.0, 0.0],
     [0.925_614_793_410_958_1, 0.353_553_390_593_273_8, 0.135_045_378_368_863_2],
     [0.809_016_994_374_947_5, 0.309_016_994_374_947_4, 0.5],
-    [0.0, 0.707_106_781_186_547_6, 0.707_106_781_186_547_6],
+    [0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2],
     [0.353_553_390_593_273_8, 1.279_168_184_004_231_3, 1.362_630_817_859_778_6],
     [1.632_721_574_597_504_3, 0.790_569_415_042_094_8, 0.572_061_402_817_684_4],
-    [0.0, 1.851_229_586_821_916_4, 0.437_016_024_448_821_07],
+    [0.0, 1.851_229_586_821_916_4, 0.437_016_024_448_821_1],
 ];
 
 /// Two nodes, and points of the edges: the curve in which a sphere and a hyperboloid meet.
