@@ -68,7 +68,7 @@ struct RenderArgs {
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
     resolution: Option<u32>,
 
-    /// Frames of a film to draw, such as 10-19 or 7 [default: all]
+    /// Frames of a film or a sweep to draw, such as 10-19 or 7 [default: all]
     #[arg(long, value_name = "A-B", value_parser = frames)]
     frames: Option<RangeInclusive<u32>>,
 

@@ -8,7 +8,7 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 18] = [
+const SECTIONS: [&str; 19] = [
     "version",
     "params",
     "let",
@@ -26,6 +26,7 @@ const SECTIONS: [&str; 18] = [
     "output",
     "mesh",
     "animation",
+    "sweep",
     "about",
 ];
 
