@@ -3,8 +3,9 @@
 use std::{ops::Range, path::Path};
 
 use zeroset::{
+    Error,
     expr::{Definition, DefinitionKind, Expr, parse, parse_shape},
-    scene,
+    import, scene,
 };
 
 /// Reads the last line as a formula and those before it as definitions: `a: 1` is a parameter,
@@ -84,6 +85,24 @@ pub(crate) fn scene(data: &[u8]) {
         assert!(!rejection.diagnostics.is_empty(), "refused without a reason");
         assert!(rejection.sources.models.is_empty(), "a file was read");
         rejection.diagnostics.iter().for_each(|mistake| check_span(text, &mistake.span));
+    }
+}
+
+/// Converts a file of another program, whose ending is the first line; what comes of it is a scene.
+pub(crate) fn import(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let Some((ending, text)) = text.split_once('\n') else { return };
+    let path = Path::new("fuzz").with_extension(ending);
+    match import::convert_text(&path, text.to_owned()) {
+        Ok(converted) => {
+            let scene = scene::parse(Path::new("fuzz.toml"), &converted.scene);
+            assert!(scene.is_ok(), "{}\n{:?}", converted.scene, scene.err());
+        }
+        Err(Error::Scene(rejection)) => {
+            assert!(!rejection.diagnostics.is_empty(), "refused without a reason");
+            rejection.diagnostics.iter().for_each(|mistake| check_span(text, &mistake.span));
+        }
+        Err(_) => {}
     }
 }
 

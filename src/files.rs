@@ -1,10 +1,39 @@
-//! Files that others name: opened without waiting, found only beside what names them.
+//! Files that are read: opened without waiting, within limits, and found only beside what names them.
 
 use std::{
     fs::{self, File},
-    io,
+    io::{self, Read},
     path::{Component, Path, PathBuf},
 };
+
+use crate::diagnostic::Diagnostic;
+
+/// The bytes of a file; nothing if there are more than `limit`.
+///
+/// # Errors
+/// The file cannot be opened or read.
+pub fn read(path: &Path, limit: u64) -> io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(limit + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= limit).then_some(bytes))
+}
+
+/// The text that a file holds, and what is wrong if it is not all text.
+#[must_use]
+pub fn decode(bytes: Vec<u8>) -> (String, Option<Diagnostic>) {
+    let error = match String::from_utf8(bytes) {
+        Ok(text) => return (text, None),
+        Err(error) => error,
+    };
+    // Up to the first foreign byte the replacement text is the file's own.
+    let at = error.utf8_error().valid_up_to();
+    let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+    let width = char::REPLACEMENT_CHARACTER.len_utf8();
+    let mistake = Diagnostic::new(at..at + width, "the file is not text in UTF-8")
+        .label("this byte cannot stand here")
+        .help("save the file with the encoding UTF-8");
+    (text, Some(mistake))
+}
 
 /// Opens a file to be read, and tells its length in bytes.
 ///

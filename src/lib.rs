@@ -12,8 +12,9 @@
 //! | [`raster`] | octrees and a [`Camera`](raster::Camera) | a [`Frame`](raster::Frame) |
 //! | [`output`] | a frame, meshes | PNG and EXR; glTF, OBJ, PLY, STL and 3MF |
 //!
-//! [`pipeline`] puts them together, [`film`] repeats it for many frames, and
-//! [`gallery`] shows famous surfaces with it; [`cli`] is the command `render` around it.
+//! [`pipeline`] puts them together, [`film`] repeats it for many frames of films and sweeps, and
+//! [`gallery`] shows famous surfaces with it; [`import`] makes scene files of other programs' files;
+//! [`cli`] is the command `render` around it.
 //!
 //! # From a formula to voxels
 //!
@@ -86,6 +87,7 @@ pub mod files;
 pub mod film;
 pub mod gallery;
 pub mod hrb;
+pub mod import;
 pub mod isosurface;
 pub mod limits;
 pub mod math;

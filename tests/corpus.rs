@@ -35,3 +35,8 @@ fn scenes() {
 fn graphs() {
     for_each_file_of("graph", checks::graph);
 }
+
+#[test]
+fn imports() {
+    for_each_file_of("import", checks::import);
+}

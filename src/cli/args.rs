@@ -10,10 +10,11 @@ use std::{
 use clap::{Args, CommandFactory, Parser, Subcommand, value_parser};
 use clap_complete::Shell;
 
-use super::{evaluate::Evaluation, yields::Measurement};
+use super::{convert::Conversion, evaluate::Evaluation, yields::Measurement};
 use crate::{
     evaluate, gallery,
     hrb::Criterion,
+    import,
     math::SimdLevel,
     pipeline::Options,
     scene::{self, MAX_RESOLUTION, Scene},
@@ -28,6 +29,7 @@ Examples:
   render turn.toml --frames 10-19            ten frames of a film
   render heart.toml --stats - | jq .         what was done, as JSON
   render gallery kummer                      a surface that comes with the program
+  render convert kolibri.jsurf -o kolibri.toml   a scene of another program's file
 
 Exit codes:
   0 all went well · 1 something failed · 2 a scene or an argument is wrong · 130 interrupted
@@ -53,20 +55,10 @@ struct RenderArgs {
     #[command(flatten)]
     input: Input,
 
-    /// Directory for the pictures; created if it does not exist
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
+    #[command(flatten)]
+    rendering: Rendering,
 
-    /// Number of threads [default: one for each core]; the result does not depend on it
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-
-    /// Voxels along the longest axis, instead of what the scenes say
-    #[arg(long, value_name = "N")]
-    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
-    resolution: Option<u32>,
-
-    /// Frames of a film to draw, such as 10-19 or 7 [default: all]
+    /// Frames of a film or a sweep to draw, such as 10-19 or 7 [default: all]
     #[arg(long, value_name = "A-B", value_parser = frames)]
     frames: Option<RangeInclusive<u32>>,
 
@@ -82,6 +74,34 @@ struct RenderArgs {
     /// frame
     #[arg(long, value_name = "FILE|-")]
     stats: Option<PathBuf>,
+}
+
+/// What rendering scenes and surfaces of the gallery has in common.
+#[derive(Debug, Args)]
+struct Rendering {
+    /// Directory for the pictures; created if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+
+    /// Number of threads [default: one for each core]; the result does not depend on it
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// Voxels along the longest axis, instead of what the scenes say
+    #[arg(long, value_name = "N")]
+    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
+    resolution: Option<u32>,
+}
+
+impl Rendering {
+    fn options(self) -> Options {
+        Options {
+            out_dir: self.out,
+            threads: self.threads.and_then(|n| NonZeroUsize::new(usize::from(n))),
+            resolution: self.resolution,
+            ..Options::default()
+        }
+    }
 }
 
 /// What rendering and checking have in common.
@@ -149,18 +169,8 @@ struct GalleryArgs {
     #[arg(conflicts_with_all = ["page", "sheet"])]
     set: Vec<String>,
 
-    /// Directory for the pictures; created if it does not exist
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
-
-    /// Number of threads [default: one for each core]; the result does not depend on it
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-
-    /// Voxels along the longest axis, instead of what the scenes say
-    #[arg(long, value_name = "N")]
-    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
-    resolution: Option<u32>,
+    #[command(flatten)]
+    rendering: Rendering,
 
     /// Show no progress, warnings and summary; only mistakes and failures
     #[arg(long, short, display_order = 100)]
@@ -206,6 +216,21 @@ struct EvaluateArgs {
     quiet: bool,
 }
 
+#[derive(Debug, Args)]
+struct ConvertArgs {
+    /// The file; the ending of its name tells what it is
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+
+    /// The scene file to write [default: standard output]
+    #[arg(long, short, value_name = "SCENE.toml", value_parser = scene_file)]
+    out: Option<PathBuf>,
+
+    /// Show no notes; only mistakes and failures
+    #[arg(long, short, display_order = 100)]
+    quiet: bool,
+}
+
 #[derive(Debug, Subcommand)]
 enum Subcommands {
     /// Find every mistake in scene files without rendering them
@@ -217,6 +242,9 @@ enum Subcommands {
     /// Remake the evaluation of León Salas (2008): a report on space, time and errors of octrees of
     /// samples
     Evaluate(EvaluateArgs),
+    /// Make a scene file of a file of another program
+    #[command(after_help = format!("Files that can be converted: {}", import::formats()))]
+    Convert(ConvertArgs),
     /// Print the JSON Schema of scene files, with which editors complete them
     Schema,
     /// Print a script that makes a shell complete this command
@@ -226,6 +254,15 @@ enum Subcommands {
     },
     /// Print the manual page
     Man,
+}
+
+/// The name of a scene file, so that no other file is replaced by mistake.
+fn scene_file(name: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(name);
+    match path.extension() {
+        Some(ending) if ending == "toml" => Ok(path),
+        _ => Err("the name of a scene file ends in .toml".to_owned()),
+    }
 }
 
 fn finite(text: &str) -> Result<f64, String> {
@@ -298,6 +335,8 @@ pub(super) enum Plan {
     Exhibit(Exhibition),
     /// Evaluate octrees of samples.
     Evaluate(Evaluation),
+    /// Make a scene of another program's file.
+    Convert(Conversion),
     /// Print the schema of scene files.
     Schema,
     /// Print what was made of the definition of the arguments.
@@ -341,6 +380,9 @@ fn plan(line: CommandLine) -> Result<Plan, clap::Error> {
         Some(Subcommands::Yield(args)) => measure(args),
         Some(Subcommands::Gallery(args)) => exhibit(args),
         Some(Subcommands::Evaluate(args)) => Plan::Evaluate(evaluation(args)),
+        Some(Subcommands::Convert(ConvertArgs { file, out, quiet })) => {
+            Plan::Convert(Conversion { file, out, quiet })
+        }
         Some(Subcommands::Schema) => Plan::Schema,
         Some(Subcommands::Completions { shell }) => Plan::Print(completions(shell)),
         Some(Subcommands::Man) => Plan::Print(manual()?),
@@ -351,13 +393,11 @@ fn render(args: RenderArgs) -> Plan {
     Plan::Render {
         scenes: scenes(args.input),
         options: Options {
-            out_dir: args.out,
-            threads: args.threads.and_then(|n| NonZeroUsize::new(usize::from(n))),
-            resolution: args.resolution,
             simd: args.simd,
             max_memory: args.max_memory,
             find_all: args.stats.is_some(),
             frames: args.frames,
+            ..args.rendering.options()
         },
         stats: match args.stats {
             None => StatsTarget::Nowhere,
@@ -368,13 +408,8 @@ fn render(args: RenderArgs) -> Plan {
 }
 
 fn exhibit(args: GalleryArgs) -> Plan {
-    let GalleryArgs { names, page, sheet, set, out, threads, resolution, quiet } = args;
-    let options = Options {
-        out_dir: out,
-        threads: threads.and_then(|n| NonZeroUsize::new(usize::from(n))),
-        resolution,
-        ..Options::default()
-    };
+    let GalleryArgs { names, page, sheet, set, rendering, quiet } = args;
+    let options = rendering.options();
     if page.is_some() || sheet.is_some() {
         return Plan::Exhibit(Exhibition { names, page, sheet, options, quiet });
     }

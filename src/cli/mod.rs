@@ -1,6 +1,7 @@
 //! The command line: the only place that knows arguments, the terminal and exit codes.
 
 mod args;
+mod convert;
 mod evaluate;
 mod exhibit;
 mod progress;
@@ -31,6 +32,7 @@ pub fn run() -> ExitCode {
         Plan::Evaluate(evaluation) => evaluate::evaluate(&evaluation),
         Plan::List => print(exhibit::list().as_bytes()),
         Plan::Exhibit(exhibition) => exhibit::exhibit(&exhibition),
+        Plan::Convert(conversion) => convert::convert(&conversion),
         Plan::Schema => print(scene::schema().as_bytes()),
         Plan::Print(text) => print(&text),
     })

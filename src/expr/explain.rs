@@ -4,14 +4,14 @@ use std::ops::Range;
 
 use super::{
     explain_shapes,
-    functions::{self, FUNCTIONS, Function},
+    functions::{self, FUNCTIONS, Function, MAX_NUMBER},
     names::{self, NAMES},
-    shapes,
+    povray, shapes,
 };
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// Longer words are not compared with others.
-const MAX_WORD: usize = 24;
+const MAX_WORD: usize = 32;
 
 /// More definitions than this are not listed.
 const MAX_LISTED: usize = 12;
@@ -65,6 +65,13 @@ pub(super) fn unknown_function(
     }
     let diagnostic =
         Diagnostic::new(span, format!("unknown function `{name}`")).label("not known here");
+    if let Some(why) = povray::refused(name) {
+        let diagnostic = diagnostic.label(format!("in POV-Ray it is {why}"));
+        return diagnostic.help(match ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name) {
+            Some((_, here)) => format!("write `{here}`"),
+            None => "only functions that are given by formulas are known here".to_owned(),
+        });
+    }
     let shape = explain_shapes::elsewhere(name);
     if let Some(here) = shape.as_ref().filter(|_| is_shape) {
         return diagnostic.help(format!("write `{here}`"));
@@ -77,16 +84,19 @@ pub(super) fn unknown_function(
     }
     let known: Vec<&str> = FUNCTIONS.iter().map(|function| function.name).collect();
     let shapes = shapes::FUNCTIONS.iter().map(|function| function.name);
-    let all: Vec<&str> = known.iter().copied().chain(shapes).collect();
+    let all: Vec<&str> = known.iter().copied().chain(shapes).chain(povray::names()).collect();
     diagnostic.help(match meant(name, &all) {
         Some(candidate) => format!("did you mean `{candidate}`?"),
         None if is_shape => explain_shapes::known_shapes(),
-        None => format!("known functions are {}", known.join(", ")),
+        None => format!(
+            "known functions are {}, and those of POV-Ray such as `f_torus`",
+            known.join(", ")
+        ),
     })
 }
 
 /// What other languages call things, and how it is written here.
-const ELSEWHERE: [(&str, &str); 26] = [
+const ELSEWHERE: [(&str, &str); 31] = [
     ("arcsin", "asin(a)"),
     ("arccos", "acos(a)"),
     ("arctan", "atan(a)"),
@@ -111,6 +121,11 @@ const ELSEWHERE: [(&str, &str); 26] = [
     ("lg", "log10(a)"),
     ("lb", "log2(a)"),
     ("log1p", "ln(1 + a)"),
+    ("f_boxed", "max(0, 1 - max(|x|, |y|, |z|))"),
+    ("f_cylindrical", "max(0, 1 - hypot(x, z))"),
+    ("f_onion", "mod(r, 1)"),
+    ("f_planar", "max(0, 1 - |y|)"),
+    ("f_spherical", "max(0, 1 - r)"),
     ("minimum", "min(a, b)"),
     ("maximum", "max(a, b)"),
 ];
@@ -123,6 +138,14 @@ pub(super) fn wrong_count(function: &Function, span: Range<usize>, found: usize)
         (false, n) => format!("{n} arguments"),
     };
     Diagnostic::new(span, format!("`{}` takes {wanted}, not {found}", function.name))
+        .help(format!("write `{}`", function.usage()))
+}
+
+/// A call whose `parameter` must be a number, and is none or too large.
+pub(super) fn no_number(function: &Function, parameter: &str, span: Range<usize>) -> Diagnostic {
+    let message = format!("`{parameter}` of `{}` must be a number", function.name);
+    Diagnostic::new(span, message)
+        .label(format!("from -{MAX_NUMBER} to {MAX_NUMBER}, the same everywhere"))
         .help(format!("write `{}`", function.usage()))
 }
 

@@ -3,9 +3,12 @@
 //! A function that is no operation of [`crate::math`] is composed of such operations, in a form in
 //! which as few operands as possible occur twice: there interval arithmetic stays sharp.
 
+use std::borrow::Cow;
+
 use super::{
     graph::{Graph, Id},
     names::length,
+    povray::{self, Formulas},
 };
 use crate::math::{Binary, Constant, Hyperbolic, Step, Unary, Wave};
 
@@ -13,8 +16,8 @@ use crate::math::{Binary, Constant, Hyperbolic, Step, Unary, Wave};
 pub(super) struct Function {
     pub(super) name: &'static str,
     /// Names of the parameters; `…` as the last one stands for any number more.
-    pub(super) parameters: &'static [&'static str],
-    lower: Lower,
+    pub(super) parameters: Cow<'static, [&'static str]>,
+    pub(super) lower: Lower,
 }
 
 /// How a call becomes part of a graph.
@@ -24,7 +27,12 @@ pub(super) enum Lower {
     Three(fn(&mut Graph, Id, Id, Id) -> Id),
     /// Any number, the least being the number of named parameters.
     Many(fn(&mut Graph, &[Id]) -> Id),
+    /// As other formulas say.
+    Formulas(Formulas),
 }
+
+/// Arguments that are numbers, which choose among formulas, are not larger than this.
+pub(super) const MAX_NUMBER: f64 = 1000.0;
 
 impl Function {
     /// The least number of arguments.
@@ -35,6 +43,18 @@ impl Function {
     /// Whether it takes any number of arguments from [`Self::least`] on.
     pub(super) fn takes_more(&self) -> bool {
         self.parameters.last() == Some(&"…")
+    }
+
+    /// The first parameter that wants a number, the same everywhere, and gets something else.
+    pub(super) fn no_number(&self, graph: &Graph, arguments: &[Id]) -> Option<&'static str> {
+        let Lower::Formulas(formulas) = &self.lower else { return None };
+        let is_number = |id: Id| {
+            let constant = graph.nodes()[id as usize].constant();
+            constant.is_some_and(|constant| constant.value.abs() <= MAX_NUMBER)
+        };
+        let mut given = self.parameters.iter().zip(arguments).enumerate();
+        let refused = given.find(|&(index, (_, &id))| formulas.is_number(index) && !is_number(id));
+        refused.map(|(_, (&parameter, _))| parameter)
     }
 
     /// How a call is written.
@@ -51,6 +71,9 @@ impl Function {
             (Lower::Many(f), arguments) if arguments.len() >= self.least() => {
                 Some(f(graph, arguments))
             }
+            (Lower::Formulas(formulas), arguments) if arguments.len() == self.parameters.len() => {
+                formulas.lower(graph, &self.parameters, arguments)
+            }
             _ => None,
         }
     }
@@ -58,7 +81,7 @@ impl Function {
 
 /// The function of this name.
 pub(super) fn find(name: &str) -> Option<&'static Function> {
-    FUNCTIONS.iter().find(|function| function.name == name)
+    FUNCTIONS.iter().find(|function| function.name == name).or_else(|| povray::find(name))
 }
 
 /// Whether there is a function of this name.
@@ -68,7 +91,7 @@ pub(super) fn exists(name: &str) -> bool {
 
 /// A function of one parameter.
 pub(super) const fn one(name: &'static str, f: fn(&mut Graph, Id) -> Id) -> Function {
-    Function { name, parameters: &["a"], lower: Lower::One(f) }
+    Function { name, parameters: Cow::Borrowed(&["a"]), lower: Lower::One(f) }
 }
 
 /// A function.
@@ -77,10 +100,10 @@ pub(super) const fn new(
     parameters: &'static [&'static str],
     lower: Lower,
 ) -> Function {
-    Function { name, parameters, lower }
+    Function { name, parameters: Cow::Borrowed(parameters), lower }
 }
 
-/// All functions, in the order in which they are listed to the user.
+/// All functions but POV-Ray's, in the order in which they are listed to the user.
 pub(super) static FUNCTIONS: [Function; 32] = [
     one("sqrt", |g, a| g.unary(Unary::Sqrt, a)),
     one("cbrt", |g, a| g.unary(Unary::Cbrt, a)),

@@ -293,12 +293,21 @@ impl Resolver<'_> {
     ) -> Lowered {
         let ids: Vec<Id> = arguments.iter().map(|argument| argument.id).collect();
         let function = functions::find(name);
+        let is_damaged = arguments.iter().any(|argument| argument.is_damaged);
+        if let Some(function) = function
+            && let Some(parameter) = function.no_number(&self.graph, &ids)
+        {
+            if !is_damaged {
+                self.complain(text, explain::no_number(function, parameter, span.clone()));
+            }
+            return self.stand_in();
+        }
         if let Some(id) = function.and_then(|function| function.lower(&mut self.graph, &ids)) {
             return Lowered {
                 id,
                 solid: None,
                 varies: arguments.iter().any(|argument| argument.varies),
-                is_damaged: arguments.iter().any(|argument| argument.is_damaged),
+                is_damaged,
             };
         }
         if self.mistakes.len() < MAX_MISTAKES {
@@ -329,7 +338,8 @@ impl Resolver<'_> {
     }
 }
 
-fn binary(op: BinaryOp, a: Id, b: Id, graph: &mut Graph) -> Id {
+/// What an operator makes of two values.
+pub(super) fn binary(op: BinaryOp, a: Id, b: Id, graph: &mut Graph) -> Id {
     match op {
         BinaryOp::Add => graph.add(a, b),
         BinaryOp::Sub => graph.sub(a, b),

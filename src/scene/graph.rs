@@ -5,10 +5,11 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{lower::Lower, spanned::Spanned, text};
+use super::{lower::Lower, spanned::Spanned};
 use crate::{
     diagnostic::{Diagnostic, Model, Origin},
     expr::Expr,
+    files,
 };
 
 /// The most that the files of a scene hold, all together.
@@ -23,7 +24,7 @@ impl Lower<'_> {
             return expr.clone();
         }
         let bytes = self.read(file, &path).map_err(|mistake| self.errors.push(mistake)).ok()?;
-        let (text, mistake) = text::decode(bytes);
+        let (text, mistake) = files::decode(bytes);
         let expr = mistake.map_or_else(|| Expr::from_vm(&text), |mistake| Err(vec![mistake]));
         let origin = Origin::Model(self.n_included + self.graphs.len());
         let note = |mistakes: Vec<Diagnostic>| {
@@ -62,7 +63,7 @@ impl Lower<'_> {
             return Err(mistake("it is not a file"));
         }
         let held: u64 = self.graphs.iter().map(|(model, _)| model.text.len() as u64).sum();
-        let bytes = text::read(path, MAX_BYTES.saturating_sub(held)).map_err(failed)?;
+        let bytes = files::read(path, MAX_BYTES.saturating_sub(held)).map_err(failed)?;
         bytes.ok_or_else(|| {
             let limit = MAX_BYTES >> 20;
             mistake("it is too large")

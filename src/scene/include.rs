@@ -16,9 +16,11 @@ use super::{
     read::{check_version, file_names, names, syntax},
     spanned::Spanned,
     spec::SceneSpec,
-    text,
 };
-use crate::diagnostic::{Diagnostic, Model, Origin};
+use crate::{
+    diagnostic::{Diagnostic, Model, Origin},
+    files,
+};
 
 /// More files than this are no scene written by hand.
 const MAX_FILES: usize = 64;
@@ -101,7 +103,7 @@ impl<'a> Includes<'a> {
             let message = format!("the scene includes more than {MAX_FILES} files");
             return refuse(Diagnostic::new(name.span(), message));
         }
-        let bytes = match text::read(&place, MAX_BYTES) {
+        let bytes = match files::read(&place, MAX_BYTES) {
             Ok(Some(bytes)) => bytes,
             Ok(None) => {
                 let message = format!("{} is larger than {} MiB", path.display(), MAX_BYTES >> 20);
@@ -112,7 +114,7 @@ impl<'a> Includes<'a> {
                 return refuse(Diagnostic::new(name.span(), message));
             }
         };
-        let (text, mistake) = text::decode(bytes);
+        let (text, mistake) = files::decode(bytes);
         let inner = Origin::Model(self.files.len());
         self.files.push(Model { path: path.clone(), text: text.clone() });
         self.places.push(place.clone());

@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use super::{Scan, Scene, include::Includes, lower::Lower, read::read, text};
+use super::{Scan, Scene, include::Includes, lower::Lower, read::read};
 use crate::{
     Error, Result,
     diagnostic::{Diagnostic, Rejection, Sources},
+    files,
 };
 
 /// The largest scene file.
@@ -26,7 +27,7 @@ pub fn load(path: &Path) -> Result<Scene> {
 /// # Errors
 /// As [`load`]; also if a setting is malformed or sets what the scene does not have.
 pub fn load_with(path: &Path, settings: &[String], allow_outside: bool) -> Result<Scene> {
-    let (source, mistake) = text::decode(read_bytes(path)?);
+    let (source, mistake) = files::decode(read_bytes(path)?);
     let scene = match mistake {
         None => parse_in(path, &source, settings, path.parent(), allow_outside),
         Some(mistake) => {
@@ -42,7 +43,7 @@ pub fn load_with(path: &Path, settings: &[String], allow_outside: bool) -> Resul
 /// # Errors
 /// As [`load`], with the mistakes of its `[[volume]]` sections alone.
 pub fn load_volumes(path: &Path) -> Result<Vec<Scan>> {
-    let (text, mistake) = text::decode(read_bytes(path)?);
+    let (text, mistake) = files::decode(read_bytes(path)?);
     let sources = Sources { path: path.to_owned(), text, ..Sources::default() };
     let mut errors: Vec<Diagnostic> = mistake.into_iter().collect();
     let spec = if errors.is_empty() { read(&sources.text, &mut errors) } else { None };
@@ -57,7 +58,7 @@ pub fn load_volumes(path: &Path) -> Result<Vec<Scan>> {
 
 fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     let failed = |source| Error::Io { action: "read", path: path.to_owned(), source };
-    text::read(path, MAX_BYTES).map_err(failed)?.ok_or_else(|| {
+    files::read(path, MAX_BYTES).map_err(failed)?.ok_or_else(|| {
         let limit = MAX_BYTES >> 20;
         Error::Limit(format!("the file is larger than {limit} MiB: this is no scene file"))
     })
@@ -107,9 +108,7 @@ fn parse_in(
     let mut lower = Lower::new(source, settings, folder, errors);
     lower.n_included = included.len();
     let mut scene = lower.scene(&name, &spec);
-    if let Some(animation) = &mut scene.animation {
-        lower.script(animation, spec);
-    }
+    scene.script = lower.script(scene.n_frames(), spec);
     let graphs = lower.graphs.into_iter().map(|(graph, _)| graph);
     sources.models = included.into_iter().chain(graphs).collect();
     match lower.errors.is_empty() {

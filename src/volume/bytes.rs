@@ -198,7 +198,7 @@ pub(super) fn head(file: File, packing: Packing, n: usize) -> Result<Vec<u8>, Re
 }
 
 /// The most bytes that `packed` bytes become.
-fn ratio(packed: u64) -> u64 {
+pub(super) fn ratio(packed: u64) -> u64 {
     packed.saturating_mul(MAX_RATIO)
 }
 
