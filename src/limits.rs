@@ -17,6 +17,9 @@ const BYTES_PER_OTHER_VOXEL: u64 = 40;
 /// Bytes a pixel takes: the layers of a frame, two z-buffers, and the rows being encoded.
 const BYTES_PER_PIXEL: u64 = 120;
 
+/// Bytes a pixel of a contact sheet takes: the page, and what it becomes in the file.
+const BYTES_PER_SHEET_PIXEL: u64 = 6;
+
 /// How much memory a run may take.
 #[derive(Clone, Copy, Debug)]
 pub struct Memory {
@@ -48,6 +51,25 @@ impl Memory {
             ))),
             _ => Ok(()),
         }
+    }
+
+    /// Whether a contact sheet of this size fits beside one of its pictures.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] if it does not.
+    pub fn check_sheet(&self, size_px: [usize; 2], image: &ImageSettings) -> Result<()> {
+        let [width, height] = size_px.map(|n| n as u64);
+        let needed = width.saturating_mul(height).saturating_mul(BYTES_PER_SHEET_PIXEL);
+        let room = self.room(image);
+        if needed <= room {
+            return Ok(());
+        }
+        Err(Error::Limit(format!(
+            "a contact sheet of {width} x {height} pixels needs {}, and {} are what it may take; \
+             write sheet = false in [output], or choose fewer with --frames",
+            mebibytes(needed),
+            mebibytes(room),
+        )))
     }
 
     /// Whether some `n_voxels` voxels of `lattice` fit beside a picture.
@@ -160,6 +182,14 @@ mod tests {
         assert!(memory.check_image(&image(64)).is_ok());
         let error = memory.check_image(&image(u32::MAX)).unwrap_err().to_string();
         assert!(error.contains("lower `width` and `height`"), "{error}");
+    }
+
+    #[test]
+    fn a_sheet_larger_than_any_memory_is_refused() {
+        let memory = Memory::new(Some(1 << 20));
+        assert!(memory.check_sheet([400, 400], &image(8)).is_ok());
+        let error = memory.check_sheet([500, 500], &image(8)).unwrap_err().to_string();
+        assert!(error.contains("sheet = false"), "{error}");
     }
 
     #[test]

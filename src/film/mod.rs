@@ -58,7 +58,8 @@ pub fn run(
     let begin = |(path, file)| Animated::new(&film, path, file);
     let mut apng = animated.as_deref().zip(file.as_mut()).map(begin).transpose()?;
     let of_sweep = scene.sweep.as_ref().zip(scene.outputs.sheet.as_ref().map(in_folder));
-    let mut sheet = of_sweep.map(|(sweep, path)| ContactSheet::new(&film, sweep, path));
+    let begin = |(sweep, path)| ContactSheet::new(&film, sweep, path);
+    let mut sheet = of_sweep.map(begin).transpose()?;
     let start = Instant::now();
     for number in film.numbers.clone() {
         let n_left = film.numbers.end() - number + 1;

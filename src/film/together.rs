@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::Film;
 use crate::{
     Result,
+    limits::Memory,
     output::{
         self, FileWriter, NewFile,
         apng::{Apng, ApngOptions},
@@ -59,14 +60,15 @@ pub(super) struct ContactSheet<'a> {
 }
 
 impl<'a> ContactSheet<'a> {
-    /// The empty sheet of a sweep.
-    pub(super) fn new(film: &'a Film<'_>, sweep: &'a Sweep, path: PathBuf) -> Self {
+    /// The empty sheet of a sweep, if there is memory for it.
+    pub(super) fn new(film: &'a Film<'_>, sweep: &'a Sweep, path: PathBuf) -> Result<Self> {
         let (mut grid, factor) = sweep.sheet(&film.scene.image);
         let row = |number: u32| (number as usize - 1) / grid.n_columns;
         let (first_row, last_row) = (row(*film.numbers.start()), row(*film.numbers.end()));
         grid.n_rows = last_row - first_row + 1;
+        Memory::new(film.options.max_memory).check_sheet(grid.size_px(), &film.scene.image)?;
         let (scene, sheet) = (film.scene.name.as_str(), Sheet::new(grid));
-        Self { path, scene, sweep, sheet, grid, factor, first_row }
+        Ok(Self { path, scene, sweep, sheet, grid, factor, first_row })
     }
 
     pub(super) fn push(&mut self, number: u32, frame: &Frame) {
