@@ -1,9 +1,11 @@
-//! Scene 1 by Zeroset and by POV-Ray, side by side: `just beside-povray`, with POV-Ray 3.7 installed.
+//! Scene 1 and Barth's decic by Zeroset and by POV-Ray, side by side: `just beside-povray`, with POV-Ray
+//! 3.7 installed.
 //!
 //! POV-Ray's `isosurface` walks along a ray with steps that a bound of the gradient allows, and the
-//! user has to know that bound. The third picture shows what a bound that is too small does. All are
-//! made with one thread. Coverage and normals are compared with one ray through the middle of every
-//! pixel. Writes docs/povray.png, and figures to the standard output.
+//! user has to know that bound. The third picture of Scene 1 shows what a bound that is too small does;
+//! of the decic both show what comes of the equation alone. All are made with one thread. Of Scene 1
+//! coverage and normals are compared with one ray through the middle of every pixel. Writes
+//! docs/povray.png and docs/decic.png, and figures to the standard output.
 
 #![expect(clippy::unwrap_used, reason = "an example that cannot run has failed")]
 #![expect(clippy::print_stdout, reason = "the figures are for the README")]
@@ -48,25 +50,41 @@ fn main() {
     scene.image.curvature = false;
     scene.outputs.exr = None;
     let Picture { frame, camera, .. } = pipeline::render(&scene, &options(), &Unwatched).unwrap();
-    let povray = PovRay::new(root.join("examples/povray"), &camera);
+    let povray = PovRay::new(root.join("examples/povray/scene1.pov"), &camera);
     compare(&frame, &povray.normals(&camera));
 
     scene.image.samples = SAMPLES;
     let ours = png::to_srgb8(&pipeline::render(&scene, &options(), &Unwatched).unwrap().frame);
-    let mut all = RgbImage::from_pixel(3 * EDGE, EDGE, Rgb([255; 3]));
     let ours = image::DynamicImage::from(ours).into_rgb8();
-    let pictures = [ours, povray.picture(BOUND), povray.picture(TOO_SMALL)];
-    for (x, picture) in (0..).step_by(EDGE as usize).zip(&pictures) {
-        imageops::replace(&mut all, picture, x, 0);
-    }
-    fs::create_dir_all(root.join("docs")).unwrap();
-    all.save(root.join("docs/povray.png")).unwrap();
+    let pictures = [ours, povray.picture(Some(BOUND)), povray.picture(Some(TOO_SMALL))];
+    side_by_side(&pictures).save(root.join("docs/povray.png")).unwrap();
 
     let folder = tempfile::tempdir().unwrap();
     let ours = median(|| zeroset(&scene, folder.path()));
     let [enough, too_small] = [BOUND, TOO_SMALL].map(|bound| median(|| povray.time(bound)));
     println!("Zeroset, 512³ voxels: {ours:.2?}");
     println!("POV-Ray, max_gradient {BOUND}: {enough:.2?}; {TOO_SMALL}: {too_small:.2?}");
+    decic(root);
+}
+
+/// What both make of an equation if nothing else is said.
+fn decic(root: &Path) {
+    let mut scene = scene::load(&root.join("configs/barth_decic.toml")).unwrap();
+    scene.image.width = EDGE;
+    scene.image.height = EDGE;
+    scene.image.samples = SAMPLES;
+    let Picture { frame, camera, .. } = pipeline::render(&scene, &options(), &Unwatched).unwrap();
+    let povray = PovRay::new(root.join("examples/povray/decic.pov"), &camera);
+    let ours = image::DynamicImage::from(png::to_srgb8(&frame)).into_rgb8();
+    side_by_side(&[ours, povray.picture(None)]).save(root.join("docs/decic.png")).unwrap();
+}
+
+fn side_by_side(pictures: &[RgbImage]) -> RgbImage {
+    let mut all = RgbImage::from_pixel(pictures.len() as u32 * EDGE, EDGE, Rgb([255; 3]));
+    for (x, picture) in (0..).step_by(EDGE as usize).zip(pictures) {
+        imageops::replace(&mut all, picture, x, 0);
+    }
+    all
 }
 
 fn options() -> Options {
@@ -89,12 +107,12 @@ fn median(work: impl Fn() -> Duration) -> Duration {
 
 /// Runs POV-Ray in a folder of its own.
 struct PovRay {
-    scenes: PathBuf,
+    scene: PathBuf,
     folder: TempDir,
 }
 
 impl PovRay {
-    fn new(scenes: PathBuf, camera: &Camera) -> Self {
+    fn new(scene: PathBuf, camera: &Camera) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let ray = |x: f64, y: f64| camera.ray(DVec2::new(x, y)).1;
         let forward = camera.forward();
@@ -107,7 +125,7 @@ impl PovRay {
         let lines = vectors
             .map(|(name, DVec3 { x, y, z })| format!("#declare {name} = <{x:?}, {y:?}, {z:?}>;\n"));
         fs::write(folder.path().join("camera.inc"), lines.concat()).unwrap();
-        Self { scenes, folder }
+        Self { scene, folder }
     }
 
     /// Renders the scene with further options, and returns the file.
@@ -116,7 +134,7 @@ impl PovRay {
         let size = [format!("+W{EDGE}"), format!("+H{EDGE}")];
         let status = Command::new("povray")
             .current_dir(&self.folder)
-            .arg(format!("+I{}", self.scenes.join("scene1.pov").display()))
+            .arg(format!("+I{}", self.scene.display()))
             .arg(format!("+O{}", file.display()))
             .args(["+L.", "+WT1", "-D", "-GA"])
             .args(size)
@@ -129,21 +147,22 @@ impl PovRay {
         file
     }
 
-    /// With as many rays a pixel as Zeroset's picture has.
-    fn lit(&self, bound: f64) -> PathBuf {
+    /// With as many rays a pixel as Zeroset's picture has, and a bound of the gradient or the usual one.
+    fn lit(&self, bound: Option<f64>) -> PathBuf {
         let samples = format!("+R{SAMPLES}");
         let options = ["+A0.0", "+AM1", "-J", &samples].map(str::to_owned);
-        self.run(&[&options[..], &[format!("Declare=Bound={bound}")]].concat())
+        let bound = bound.map(|bound| format!("Declare=Bound={bound}"));
+        self.run(&options.into_iter().chain(bound).collect::<Vec<_>>())
     }
 
-    fn picture(&self, bound: f64) -> RgbImage {
+    fn picture(&self, bound: Option<f64>) -> RgbImage {
         image::open(self.lit(bound)).unwrap().into_rgb8()
     }
 
     /// From the scene to the PNG file.
     fn time(&self, bound: f64) -> Duration {
         let start = Instant::now();
-        self.lit(bound);
+        self.lit(Some(bound));
         start.elapsed()
     }
 

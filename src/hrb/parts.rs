@@ -162,3 +162,33 @@ const PARTS_IN_ROWS: [u8; PARTS] = {
     }
     places
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn parts_are_known_by_their_samples(seed: u64, n_values in 1..4_u64) {
+            let sample = |i: usize| {
+                (seed.wrapping_mul(2 * i as u64 + 1).rotate_left(29) % (7 * n_values) / 7) as u8
+            };
+            let samples: Vec<u8> = (0..VOXELS).map(sample).collect();
+            let row = |y: usize, z: usize| &samples[8 * (y + 8 * z)..][..8];
+            let parts = Parts::of(samples[0], [8; 3], row);
+            for g in 0..PARTS {
+                let own: Vec<u8> = (0..8)
+                    .map(|c| {
+                        let [x, y, z] = [0, 1, 2].map(|axis| first_of(g, axis) + (c >> axis & 1));
+                        samples[x + 8 * (y + 8 * z)]
+                    })
+                    .collect();
+                prop_assert_eq!(&own, &(0..8).map(|c| parts.sample(g, c)).collect::<Vec<_>>());
+                let range = [own.iter().min(), own.iter().max()].map(|one| *one.unwrap());
+                prop_assert_eq!(parts.range(g), range);
+                prop_assert_eq!(parts.mixed() >> g & 1 == 1, range[0] < range[1]);
+            }
+        }
+    }
+}

@@ -107,3 +107,31 @@ impl CellBits {
         along_x(z) | along_x(z + 1) | along_y(z) | along_y(z + 1) | along_z
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn words_hold_the_bits_of_the_next_voxels(seed: u64) {
+            let slices = |step: usize| -> Slices {
+                std::array::from_fn(|z| {
+                    seed.wrapping_mul((8 * step + z) as u64 | 1).rotate_left(31 + z as u32)
+                })
+            };
+            let words = Words::new(slices);
+            let voxel = |[x, y, z]: [usize; 3]| {
+                let step = x / 8 + 3 * (y / 8) + 9 * (z / 8);
+                slices(step)[z % 8] >> (x % 8 + 8 * (y % 8)) & 1
+            };
+            for z in 0..=8 {
+                for (i, bit) in (0..4 * 64).map(|k| (k / 64, k % 64)) {
+                    let at = [bit % 8 + (i & 1), bit / 8 + (i >> 1), z];
+                    prop_assert_eq!(words.at(i, z) >> bit & 1, voxel(at), "{:?}", at);
+                }
+            }
+        }
+    }
+}
