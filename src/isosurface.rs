@@ -11,9 +11,6 @@ use crate::{
 /// The surface in a volume where samples are `isovalue`; what is more is inside. In scene coordinates.
 #[must_use]
 pub fn isosurface(volume: &Volume, isovalue: f64, tolerance: Tolerance, border: Border) -> Mesh {
-    let grid = with_samples!(&volume.samples, |samples| {
-        HrbOctree::build(samples, volume.size, tolerance).grid(isovalue, border)
-    });
     let matrix = volume.placing.matrix3;
     let is_mirrored = matrix.determinant() < 0.0;
     let normals_by = matrix.inverse().transpose();
@@ -21,7 +18,10 @@ pub fn isosurface(volume: &Volume, isovalue: f64, tolerance: Tolerance, border: 
         let point = volume.placing.transform_point3(DVec3::from_array(crossing.point()));
         (point.as_vec3().to_array(), normal(volume, crossing, normals_by))
     };
-    let Extraction { vertices, triangles } = extract(&grid, vertex);
+    let Extraction { vertices, triangles } = with_samples!(&volume.samples, |samples| {
+        let octree = HrbOctree::build(samples, volume.size, tolerance);
+        extract(&octree.grid(isovalue, border), vertex)
+    });
     let (positions, normals) = vertices.into_iter().unzip();
     let mut mesh = Mesh { positions, normals, triangles, ..Mesh::default() };
     if is_mirrored {

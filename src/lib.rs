@@ -12,7 +12,7 @@
 //! | [`raster`] | octrees and a [`Camera`](raster::Camera) | a [`Frame`](raster::Frame) |
 //! | [`output`] | a frame, meshes | PNG and EXR; glTF, OBJ, PLY, STL and 3MF |
 //!
-//! [`pipeline`] puts them together, [`film`] repeats it for many frames, and
+//! [`pipeline`] puts them together, [`film`] repeats it for many frames of films and sweeps, and
 //! [`gallery`] shows famous surfaces with it; [`import`] makes scene files of other programs' files;
 //! [`cli`] is the command `render` around it.
 //!
@@ -91,6 +91,7 @@ pub mod import;
 pub mod isosurface;
 pub mod limits;
 pub mod math;
+pub mod memory;
 pub mod mesh;
 pub mod meshing;
 pub mod octree;

@@ -1,22 +1,24 @@
 //! What the machine holds, asked before it is taken.
 
-use std::fs;
-
 use crate::{
     Error, Result,
     math::Lattice,
+    memory::{self, mebibytes},
     octree::{StorageKind, dense_grid_bytes},
     raster::ImageSettings,
 };
 
-/// The part of the machine's memory that a run may take if the user does not say.
-const SHARE: f64 = 0.75;
+pub use crate::memory::peak_bytes as peak_memory_bytes;
+
 /// Bytes a voxel takes while the octree is put together: its parts and the whole at once.
 const BYTES_PER_VOXEL: u64 = 11;
 /// Bytes a voxel takes at most in another storage, besides the octree that it is made from.
 const BYTES_PER_OTHER_VOXEL: u64 = 40;
 /// Bytes a pixel takes: the layers of a frame, two z-buffers, and the rows being encoded.
 const BYTES_PER_PIXEL: u64 = 120;
+
+/// Bytes a pixel of a contact sheet takes: the page, and what it becomes in the file.
+const BYTES_PER_SHEET_PIXEL: u64 = 6;
 
 /// How much memory a run may take.
 #[derive(Clone, Copy, Debug)]
@@ -29,9 +31,7 @@ impl Memory {
     /// As many bytes as given, or three quarters of the machine's.
     #[must_use]
     pub fn new(max_bytes: Option<u64>) -> Self {
-        let of_machine =
-            || Some((1024.0 * SHARE * kibibytes("/proc/meminfo", "MemTotal:")? as f64) as u64);
-        Self { bytes: max_bytes.or_else(of_machine) }
+        Self { bytes: max_bytes.or_else(memory::usual) }
     }
 
     /// Whether a picture of this size fits.
@@ -51,6 +51,25 @@ impl Memory {
             ))),
             _ => Ok(()),
         }
+    }
+
+    /// Whether a contact sheet of this size fits beside one of its pictures.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] if it does not.
+    pub fn check_sheet(&self, size_px: [usize; 2], image: &ImageSettings) -> Result<()> {
+        let [width, height] = size_px.map(|n| n as u64);
+        let needed = width.saturating_mul(height).saturating_mul(BYTES_PER_SHEET_PIXEL);
+        let room = self.room(image);
+        if needed <= room {
+            return Ok(());
+        }
+        Err(Error::Limit(format!(
+            "a contact sheet of {width} x {height} pixels needs {}, and {} are what it may take; \
+             write sheet = false in [output], or choose fewer with --frames",
+            mebibytes(needed),
+            mebibytes(room),
+        )))
     }
 
     /// Whether some `n_voxels` voxels of `lattice` fit beside a picture.
@@ -134,23 +153,6 @@ fn grid_bytes(storage: StorageKind, depth: u32) -> u64 {
     }
 }
 
-fn mebibytes(bytes: u64) -> String {
-    format!("{} MiB", bytes >> 20)
-}
-
-/// The most memory this process has held; nothing where the system does not tell (all but Linux).
-#[must_use]
-pub fn peak_memory_bytes() -> Option<u64> {
-    Some(1024 * kibibytes("/proc/self/status", "VmHWM:")?)
-}
-
-/// The number behind `key` in one of the kernel's tables.
-fn kibibytes(table: &str, key: &str) -> Option<u64> {
-    let text = fs::read_to_string(table).ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
-    line.trim().strip_suffix("kB")?.trim().parse().ok()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -180,6 +182,14 @@ mod tests {
         assert!(memory.check_image(&image(64)).is_ok());
         let error = memory.check_image(&image(u32::MAX)).unwrap_err().to_string();
         assert!(error.contains("lower `width` and `height`"), "{error}");
+    }
+
+    #[test]
+    fn a_sheet_larger_than_any_memory_is_refused() {
+        let memory = Memory::new(Some(1 << 20));
+        assert!(memory.check_sheet([400, 400], &image(8)).is_ok());
+        let error = memory.check_sheet([500, 500], &image(8)).unwrap_err().to_string();
+        assert!(error.contains("sheet = false"), "{error}");
     }
 
     #[test]

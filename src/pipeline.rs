@@ -39,7 +39,7 @@ pub struct Options {
     /// Whether all voxels are found, and not only those that the picture shows, unless the scene
     /// says.
     pub find_all: bool,
-    /// The frames of a film that are drawn, by their numbers, which begin with 1; all where `None`.
+    /// The frames of a film or a sweep that are drawn, by their numbers, which begin with 1; all where `None`.
     pub frames: Option<RangeInclusive<u32>>,
 }
 
@@ -73,7 +73,7 @@ pub struct Picture {
     pub notes: Vec<String>,
 }
 
-/// Renders `scene` and writes its files; of a film, the first frame as a picture, see
+/// Renders `scene` and writes its files; of a film or a sweep, the first frame as a picture, see
 /// [`crate::film`].
 ///
 /// # Errors

@@ -2,6 +2,8 @@
 //!
 //! Everything but `threads`, `simd`, `time_s` and `peak_memory_bytes` is the same on every machine.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::{
@@ -241,9 +243,12 @@ impl Mesh {
 /// The picture.
 #[derive(Clone, Debug, Serialize)]
 pub struct Frame {
-    /// Its number in a film, from 1.
+    /// Its number in a film or a sweep, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub number: Option<u32>,
+    /// What parameters that change from frame to frame are in this one.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub params: BTreeMap<String, f64>,
     /// Width and height in pixels.
     pub size_px: [u32; 2],
     /// Pixels that show a surface.
@@ -276,6 +281,7 @@ impl From<&FrameDigest> for Frame {
         let of = |plane: &PlaneDigest| hex(plane.hash);
         Self {
             number: None,
+            params: BTreeMap::new(),
             size_px: digest.size_px,
             covered: digest.n_covered,
             digests: FrameDigests {

@@ -100,7 +100,7 @@ fn frames_that_do_not_exist_are_refused() {
         (EGG, "0", "a range such as 10-19"),
         (EGG, "3-2", "a range such as 10-19"),
         (EGG, "x", "a range such as 10-19"),
-        (still, "1", "the scene has no [animation]"),
+        (still, "1", "the scene has neither [animation] nor [sweep]"),
     ] {
         let (output, directory) = render(scene, &["--frames", frames]);
         assert_eq!(output.status.code(), Some(2), "{frames}");

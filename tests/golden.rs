@@ -1,5 +1,5 @@
 //! Reference pictures: every scene in `configs/` at a small size, and the paper's at full resolution.
-//! Of a film one frame is compared.
+//! Of a film one frame is compared, of a sweep also the contact sheet, as it is in the file.
 //!
 //! The pixels of `golden/image/NAME.png` and the lines of `golden/image/NAME.digest` (octrees,
 //! and size, range and hash of every layer) must be met exactly. A failure leaves one picture with
@@ -18,11 +18,11 @@ use std::{
 use image::{Rgba, RgbaImage};
 use libtest_mimic::{Arguments, Failed, Trial};
 use zeroset::{
-    film::Film,
+    film::{self, Film},
     output::png,
     pipeline::{self, Options, Picture},
     progress::Unwatched,
-    scene,
+    scene::{self, Scene},
 };
 
 /// Voxels along the longest axis and pixels along the longer side.
@@ -44,6 +44,13 @@ fn main() {
         .into_iter()
         .map(|name| Trial::test(name.clone(), move || check(&name, &name, SMALL)))
         .collect();
+    let sweeps = scenes().into_iter().filter(|scene| {
+        fs::read_to_string(path(scene)).is_ok_and(|text| text.contains("\n[sweep]"))
+    });
+    trials.extend(sweeps.map(|scene| {
+        let name = format!("{scene}.sheet");
+        Trial::test(name.clone(), move || check_sheet(&name, &scene))
+    }));
     trials.extend(LARGE_SCENES.map(|scene| {
         let name = format!("{scene}_{}", LARGE.resolution);
         Trial::test(name.clone(), move || check(&name, scene, LARGE))
@@ -65,25 +72,51 @@ fn scenes() -> Vec<String> {
     names
 }
 
+fn path(scene: &str) -> PathBuf {
+    root().join("configs").join(scene).with_extension("toml")
+}
+
+fn load(scene: &str) -> Result<Scene, Failed> {
+    scene::load(&path(scene)).map_err(|error| format!("{error:?}").into())
+}
+
 fn check(name: &str, scene: &str, size: Size) -> Result<(), Failed> {
     let picture = render(scene, size)?;
-    let image = png::to_srgb8(&picture.frame);
-    let digest = digest(&picture);
-    let reference = root().join("golden/image").join(name);
-    let (png, text) = (reference.with_extension("png"), reference.with_extension("digest"));
+    compare(name, &png::to_srgb8(&picture.frame), Some(&digest(&picture)))
+}
+
+fn check_sheet(name: &str, scene: &str) -> Result<(), Failed> {
+    let scene = load(scene)?;
+    let folder = tempfile::tempdir()?;
+    let options = Options {
+        out_dir: folder.path().to_owned(),
+        resolution: Some(SMALL.resolution),
+        ..Options::default()
+    };
+    let made = film::run(&scene, &options, &Unwatched, |_| Ok(()));
+    let sheet = made.map_err(|error| error.to_string())?.together.ok_or("there is no sheet")?;
+    compare(name, &image::open(sheet)?.to_rgba8(), None)
+}
+
+/// Holds a picture, and the digest of its layers, against the reference.
+fn compare(name: &str, image: &RgbaImage, digest: Option<&str>) -> Result<(), Failed> {
+    let folder = root().join("golden/image");
+    let png = folder.join(format!("{name}.png"));
+    let text = folder.join(format!("{name}.digest"));
     if env::var("ZEROSET_BLESS").is_ok_and(|wanted| wanted == name || wanted == "all") {
         image.save(&png)?;
-        fs::write(&text, &digest)?;
+        digest.map_or(Ok(()), |digest| fs::write(&text, digest))?;
         return Err(format!("blessed: look at {}, then run again", png.display()).into());
     }
     let expected = image::open(&png).map_err(|error| format!("{}: {error}", png.display()))?;
     let expected = expected.to_rgba8();
-    if expected != image {
-        let panes = root().join("target/golden").join(name).with_extension("png");
+    if expected != *image {
+        let panes = root().join("target/golden").join(format!("{name}.png"));
         fs::create_dir_all(panes.parent().unwrap_or(root()))?;
-        side_by_side(&expected, &image).save(&panes)?;
+        side_by_side(&expected, image).save(&panes)?;
         return Err(format!("pixels differ: look at {}", panes.display()).into());
     }
+    let Some(digest) = digest else { return Ok(()) };
     let expected = fs::read_to_string(&text)?;
     if expected != digest {
         return Err(format!("layers differ\n--- expected\n{expected}--- actual\n{digest}").into());
@@ -92,8 +125,7 @@ fn check(name: &str, scene: &str, size: Size) -> Result<(), Failed> {
 }
 
 fn render(scene: &str, size: Size) -> Result<Picture, Failed> {
-    let path = root().join("configs").join(scene).with_extension("toml");
-    let mut scene = scene::load(&path).map_err(|error| format!("{error:?}"))?;
+    let mut scene = load(scene)?;
     let longer = scene.image.width.max(scene.image.height);
     scene.image.width = scene.image.width * size.pixels / longer;
     scene.image.height = scene.image.height * size.pixels / longer;

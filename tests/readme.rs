@@ -108,6 +108,20 @@ fn the_film_renders() {
 }
 
 #[test]
+fn the_sweep_renders() {
+    let scene = block("toml", "[sweep]");
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("sweep.toml"), scene).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_render"))
+        .current_dir(directory.path())
+        .args(["sweep.toml", "--resolution", "32", "--frames", "10-15"])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!(directory.path().join("out/sweep.sheet.png").exists());
+}
+
+#[test]
 fn the_function_graph_is_a_surface() {
     let graph = zeroset::expr::Expr::from_vm(&block("text", "var-x")).unwrap();
     assert_eq!(graph.constant(), None);

@@ -55,20 +55,10 @@ struct RenderArgs {
     #[command(flatten)]
     input: Input,
 
-    /// Directory for the pictures; created if it does not exist
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
+    #[command(flatten)]
+    rendering: Rendering,
 
-    /// Number of threads [default: one for each core]; the result does not depend on it
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-
-    /// Voxels along the longest axis, instead of what the scenes say
-    #[arg(long, value_name = "N")]
-    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
-    resolution: Option<u32>,
-
-    /// Frames of a film to draw, such as 10-19 or 7 [default: all]
+    /// Frames of a film or a sweep to draw, such as 10-19 or 7 [default: all]
     #[arg(long, value_name = "A-B", value_parser = frames)]
     frames: Option<RangeInclusive<u32>>,
 
@@ -84,6 +74,34 @@ struct RenderArgs {
     /// frame
     #[arg(long, value_name = "FILE|-")]
     stats: Option<PathBuf>,
+}
+
+/// What rendering scenes and surfaces of the gallery has in common.
+#[derive(Debug, Args)]
+struct Rendering {
+    /// Directory for the pictures; created if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+
+    /// Number of threads [default: one for each core]; the result does not depend on it
+    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// Voxels along the longest axis, instead of what the scenes say
+    #[arg(long, value_name = "N")]
+    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
+    resolution: Option<u32>,
+}
+
+impl Rendering {
+    fn options(self) -> Options {
+        Options {
+            out_dir: self.out,
+            threads: self.threads.and_then(|n| NonZeroUsize::new(usize::from(n))),
+            resolution: self.resolution,
+            ..Options::default()
+        }
+    }
 }
 
 /// What rendering and checking have in common.
@@ -151,18 +169,8 @@ struct GalleryArgs {
     #[arg(conflicts_with_all = ["page", "sheet"])]
     set: Vec<String>,
 
-    /// Directory for the pictures; created if it does not exist
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    out: PathBuf,
-
-    /// Number of threads [default: one for each core]; the result does not depend on it
-    #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-
-    /// Voxels along the longest axis, instead of what the scenes say
-    #[arg(long, value_name = "N")]
-    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
-    resolution: Option<u32>,
+    #[command(flatten)]
+    rendering: Rendering,
 
     /// Show no progress, warnings and summary; only mistakes and failures
     #[arg(long, short, display_order = 100)]
@@ -385,13 +393,11 @@ fn render(args: RenderArgs) -> Plan {
     Plan::Render {
         scenes: scenes(args.input),
         options: Options {
-            out_dir: args.out,
-            threads: args.threads.and_then(|n| NonZeroUsize::new(usize::from(n))),
-            resolution: args.resolution,
             simd: args.simd,
             max_memory: args.max_memory,
             find_all: args.stats.is_some(),
             frames: args.frames,
+            ..args.rendering.options()
         },
         stats: match args.stats {
             None => StatsTarget::Nowhere,
@@ -402,13 +408,8 @@ fn render(args: RenderArgs) -> Plan {
 }
 
 fn exhibit(args: GalleryArgs) -> Plan {
-    let GalleryArgs { names, page, sheet, set, out, threads, resolution, quiet } = args;
-    let options = Options {
-        out_dir: out,
-        threads: threads.and_then(|n| NonZeroUsize::new(usize::from(n))),
-        resolution,
-        ..Options::default()
-    };
+    let GalleryArgs { names, page, sheet, set, rendering, quiet } = args;
+    let options = rendering.options();
     if page.is_some() || sheet.is_some() {
         return Plan::Exhibit(Exhibition { names, page, sheet, options, quiet });
     }

@@ -26,7 +26,10 @@ pub(super) fn convert(conversion: &Conversion) -> u8 {
 }
 
 fn write(conversion: &Conversion) -> Result<()> {
-    let converted = import::convert(&conversion.file)?;
+    let converted = match &conversion.out {
+        Some(path) => import::convert_to(&conversion.file, path)?,
+        None => import::convert(&conversion.file)?,
+    };
     let text = converted.scene.as_bytes();
     match &conversion.out {
         Some(path) => output::write_file(path, |out| Ok(out.write_all(text)?))?,

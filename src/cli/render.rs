@@ -72,9 +72,10 @@ impl Session {
             report::warnings(&scene);
         }
         self.claim(path, &scene)?;
-        let (notes, written) = if scene.animation.is_some() {
+        let (notes, written) = if scene.n_frames() > 0 {
             let film = self.film(&scene)?;
-            (film.notes, report::film(&film.written, film.n_frames))
+            let written = report::film(&film);
+            (film.notes, written)
         } else {
             let report = pipeline::run(&scene, &self.options, &self.watch)?;
             self.record(&report.statistics)?;
@@ -89,7 +90,7 @@ impl Session {
         Ok(())
     }
 
-    /// Makes a film. The statistics of what was done are kept if it is cut short.
+    /// Makes a film or a sweep. The statistics of what was done are kept if it is cut short.
     fn film(&mut self, scene: &Scene) -> Result<film::Report> {
         let options = self.options.clone();
         let watch = self.watch.clone();
@@ -99,7 +100,7 @@ impl Session {
 
     /// Refuses a scene that would overwrite the files of one before it, or lacks frames.
     fn claim(&mut self, path: &Path, scene: &Scene) -> Result<()> {
-        let is_film = scene.animation.is_some() || self.options.frames.is_some();
+        let is_film = scene.n_frames() > 0 || self.options.frames.is_some();
         let outputs = match is_film {
             true => film::outputs(scene, &self.options)?,
             false => vec![scene.outputs.clone()],

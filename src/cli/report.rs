@@ -19,6 +19,7 @@ use annotate_snippets::{
 use crate::{
     Error, Result,
     diagnostic::{Diagnostic, Sources},
+    film,
     math::Aabb,
     scene::Scene,
 };
@@ -67,9 +68,10 @@ pub(super) fn files(written: &[PathBuf]) -> String {
     if files.is_empty() { "no files".to_owned() } else { files.join(", ") }
 }
 
-/// The files of a film of `n_frames` frames, in words.
-pub(super) fn film(written: &[PathBuf], n_frames: u32) -> String {
-    let frames = if n_frames == 1 { "1 frame" } else { &format!("{n_frames} frames") };
+/// The files of a film or a sweep, in words.
+pub(super) fn film(made: &film::Report) -> String {
+    let film::Report { n_frames, written, together, .. } = made;
+    let frames = if *n_frames == 1 { "1 frame" } else { &format!("{n_frames} frames") };
     let mut of_kinds: Vec<(&Path, &Path)> = Vec::new();
     for file in written {
         match of_kinds.iter_mut().find(|(first, _)| first.extension() == file.extension()) {
@@ -81,7 +83,8 @@ pub(super) fn film(written: &[PathBuf], n_frames: u32) -> String {
         true => first.display().to_string(),
         false => format!("{} to {}", first.display(), last.display()),
     };
-    let files: Vec<String> = of_kinds.iter().map(span).collect();
+    let together = together.iter().map(|file| file.display().to_string());
+    let files: Vec<String> = of_kinds.iter().map(span).chain(together).collect();
     match files.as_slice() {
         [] => format!("{frames} and no files"),
         files => format!("{frames}: {}", files.join(", ")),

@@ -38,9 +38,6 @@ impl Surface {
     /// The surface in a volume; a tolerance of [`GRID`] takes all samples.
     #[must_use]
     pub fn new(volume: &Volume, isovalue: f64, tolerance: Tolerance) -> Self {
-        let grid = with_samples!(&volume.samples, |samples| {
-            octree(samples, volume.size, tolerance).grid(isovalue, Border::Open)
-        });
         let normals_by: DMat3 = volume.placing.matrix3.inverse().transpose();
         let place = |p: [f64; 3]| volume.placing.transform_point3(DVec3::from_array(p));
         let vertex = |crossing: &Crossing| {
@@ -52,7 +49,10 @@ impl Surface {
                 slope: (g - f).abs() / a.distance(b),
             }
         };
-        let Extraction { vertices, mut triangles } = extract(&grid, vertex);
+        let Extraction { vertices, mut triangles } = with_samples!(&volume.samples, |samples| {
+            let octree = octree(samples, volume.size, tolerance);
+            extract(&octree.grid(isovalue, Border::Open), vertex)
+        });
         let mut numbers = vec![u32::MAX; vertices.len()];
         triangles.as_flattened().iter().for_each(|&v| numbers[v as usize] = 0);
         let is_used: Vec<bool> = numbers.iter().map(|&number| number == 0).collect();

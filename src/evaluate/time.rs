@@ -14,7 +14,7 @@ use super::surface::octree;
 use crate::{
     Error, Result,
     hrb::{Sample, Tolerance},
-    mesh::{Border, Grid, Threshold, extract, uniform},
+    mesh::{Border, Grid, Threshold, Voxels, extract, uniform},
     progress::Progress,
     volume::{Volume, with_samples},
 };
@@ -129,7 +129,7 @@ fn of_samples<T: Sample + Threshold>(
 }
 
 /// Makes what a mesh is: positions of the precision of files, and triangles. Counts these.
-fn surface(grid: &Grid) -> u64 {
+fn surface<B: Voxels>(grid: &Grid<B>) -> u64 {
     let found = black_box(extract(grid, |crossing| crossing.point().map(|x| x as f32)));
     found.triangles.len() as u64
 }

@@ -100,16 +100,7 @@ impl Expr {
         let [zero, one] = [0.0, 1.0].map(|v| g.constant(Constant::exact(v)));
         let mut sum = g.constant(Constant::exact(-threshold));
         for &[x, y, z, a] in spheres {
-            let squares = [x, y, z].map(|c| Constant::exact(-c)).into_iter().zip(0_u8..);
-            let squares: Vec<Id> = squares
-                .map(|(c, axis)| {
-                    let (variable, offset) = (g.variable(axis), g.constant(c));
-                    let difference = g.add(variable, offset);
-                    g.powi(difference, 2)
-                })
-                .collect();
-            let xy = g.add(squares[0], squares[1]);
-            let squared_distance = g.add(xy, squares[2]);
+            let squared_distance = squared_distance(g, [x, y, z]);
             let [a, radius] = [a, radius].map(|v| g.constant(Constant::exact(v)));
             let inverse_radius = g.div(a, radius);
             let scale = g.powi(inverse_radius, 2);
@@ -120,6 +111,25 @@ impl Expr {
             sum = g.add(sum, term);
         }
         Self::new(graph, sum)
+    }
+
+    /// The union of spheres, negative inside: each is its centre and its radius r. It is the least of all
+    /// d² − r², where d is the distance to a centre, and of the least r², which no zero depends on: what
+    /// is farther away than that from a box drops out of its tape, whatever else is near.
+    #[must_use]
+    pub fn spheres(spheres: &[[f64; 4]]) -> Self {
+        let mut graph = Graph::default();
+        let g = &mut graph;
+        let far = spheres.iter().map(|&[.., r]| r * r).fold(f64::INFINITY, f64::min);
+        let mut least = g.constant(Constant::exact(far.min(f64::MAX)));
+        for &[x, y, z, r] in spheres {
+            let squared_distance = squared_distance(g, [x, y, z]);
+            let radius = g.constant(Constant::exact(r));
+            let squared_radius = g.powi(radius, 2);
+            let depth = g.sub(squared_distance, squared_radius);
+            least = g.binary(Binary::Min, depth, least);
+        }
+        Self::new(graph, least)
     }
 
     /// The negated formula: inside and outside change places.
@@ -157,4 +167,16 @@ impl Expr {
     pub fn tape(&self) -> Tape {
         Tape::new(self.graph.nodes(), self.root, self.region)
     }
+}
+
+/// The square of the distance to a point.
+fn squared_distance(g: &mut Graph, point: [f64; 3]) -> Id {
+    let [x, y, z] = [0, 1, 2].map(|axis: u8| {
+        let offset = g.constant(Constant::exact(-point[usize::from(axis)]));
+        let variable = g.variable(axis);
+        let difference = g.add(variable, offset);
+        g.powi(difference, 2)
+    });
+    let xy = g.add(x, y);
+    g.add(xy, z)
 }

@@ -246,7 +246,7 @@ mod tests {
     use crate::{
         eval::Machine,
         expr::Graph,
-        math::{Notes, Point, Wave},
+        math::{Interval, Notes, Point, Wave},
     };
     use proptest::prelude::*;
 
@@ -279,6 +279,28 @@ mod tests {
         let short = Tape::new(g.nodes(), sum, None).shortened([Choice::Second]);
         assert!(short.instructions().is_empty());
         assert_eq!(short.result(), 1);
+    }
+
+    /// In a row of spheres, a box around one of them, and one far from all.
+    #[test]
+    fn far_spheres_drop_out_of_a_union() {
+        let spheres: Vec<[f64; 4]> =
+            (0..100).map(|i| [3.0 * f64::from(i), 0.0, 0.0, 1.0]).collect();
+        let tape = crate::expr::Expr::spheres(&spheres).tape();
+        let shortened = |x: f64, y: f64| {
+            let at = |v: f64| [Interval { lo: v - 0.5, hi: v + 0.5 }];
+            let mut machine = Machine::<Interval<f64>, 1>::default();
+            machine.run((), &tape, &[at(x), at(y), at(0.0)], true);
+            let choice = |&[first, second]: &[u64; 2]| match (first & 1, second & 1) {
+                (1, _) => Choice::First,
+                (_, 1) => Choice::Second,
+                _ => Choice::Both,
+            };
+            tape.shortened(machine.choices().iter().map(choice))
+        };
+        assert_eq!(tape.n_choices(), 100);
+        assert_eq!(shortened(150.0, 1.0).n_choices(), 1);
+        assert_eq!(shortened(150.0, 9.0).instructions().len(), 1);
     }
 
     #[test]

@@ -1,12 +1,10 @@
 //! A divided node of 8³ samples: which of its parts are divided, and the values of its regions.
 
-use std::sync::LazyLock;
-
 use super::{
     octree::{Region, Storage, octant},
     sample::Value,
 };
-use crate::mesh::{SIDE, VOXELS};
+use crate::mesh::{SIDE, Slices, VOXELS, index_of, slices};
 
 /// See the file's text.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +13,7 @@ pub(super) struct Brick<V> {
     pub(super) fours: u8,
     /// Bit 8c + d: part d of 2³ samples of it is divided; only where it is divided itself.
     pub(super) twos: u64,
-    /// The values of the regions, in Morton order.
+    /// The values of the regions: in Morton order or, where all are single samples, x fastest.
     pub(super) values: Box<[V]>,
     /// Of each region, the corners that it answers for; empty before they are assigned.
     pub(super) corners: Box<[u8]>,
@@ -24,18 +22,28 @@ pub(super) struct Brick<V> {
 }
 
 /// Where the samples of a brick, in Morton order, stand in it, x fastest.
-static PLACES: LazyLock<[u16; VOXELS]> = LazyLock::new(|| {
-    std::array::from_fn(|m| {
-        let bit = |from: usize, to: usize| (m >> from & 1) << to;
-        let [x, y, z] = [0, 1, 2].map(|axis| bit(axis, 0) | bit(axis + 3, 1) | bit(axis + 6, 2));
-        (x + 8 * y + 64 * z) as u16
-    })
-});
+pub(super) const PLACES: [u16; VOXELS] = {
+    let mut places = [0; VOXELS];
+    let mut m = 0;
+    while m < VOXELS {
+        // Bit 3i + axis becomes bit i + 3 axis.
+        let mut bit = 0;
+        while bit < 9 {
+            places[m] |= ((m >> bit & 1) << (bit / 3 + 3 * (bit % 3))) as u16;
+            bit += 1;
+        }
+        m += 1;
+    }
+    places
+};
 
 impl<V: Value> Brick<V> {
     /// The number of the region that holds a sample, and its level.
     #[inline]
     fn find(&self, p: [u32; 3]) -> (usize, u8) {
+        if self.is_finest() {
+            return (index_of(p), 0);
+        }
         let (c, d) = (octant(p, 2), octant(p, 1));
         let of_four = c
             + 7 * (self.fours & ((1 << c) - 1)).count_ones() as usize
@@ -46,6 +54,17 @@ impl<V: Value> Brick<V> {
         let within = (self.twos >> (8 * c)) as u8;
         let of_two = of_four + d + 7 * (within & ((1 << d) - 1)).count_ones() as usize;
         if within >> d & 1 == 0 { (of_two, 1) } else { (of_two + octant(p, 0), 0) }
+    }
+
+    /// The level of the region that holds a sample.
+    #[inline]
+    pub(super) fn level_at(&self, p: [u32; 3]) -> u8 {
+        let (c, d) = (octant(p, 2), octant(p, 1));
+        match (self.fours >> c & 1, self.twos >> (8 * c + d) & 1) {
+            (0, _) => 2,
+            (_, 0) => 1,
+            _ => 0,
+        }
     }
 
     /// The region that holds a sample.
@@ -60,20 +79,102 @@ impl<V: Value> Brick<V> {
         }
     }
 
+    /// The value of the region that holds a sample, counted x fastest.
+    #[inline]
+    pub(super) fn value(&self, index: usize) -> V {
+        let number = if self.is_finest() { index } else { self.find(place_of(index)).0 };
+        self.values[number]
+    }
+
+    /// Which samples have regions with such a value.
+    #[inline]
+    pub(super) fn slices(&self, is: impl Fn(V) -> bool) -> Slices {
+        if self.is_finest() {
+            return slices(&self.values, |value| is(*value));
+        }
+        let mut slices = [0; SIDE as usize];
+        self.regions(|number, first, level| {
+            if is(self.values[number]) {
+                mark(&mut slices, first, level);
+            }
+        });
+        slices
+    }
+
     /// Whether all regions are single samples.
     #[inline]
     pub(super) fn is_finest(&self) -> bool {
         self.twos == u64::MAX
     }
 
+    /// The level of its largest regions.
+    pub(super) fn largest(&self) -> u8 {
+        [2, 1, 0].into_iter().find(|&level| self.has_level(level)).unwrap_or(0)
+    }
+
+    /// Bit c: its part of 4³ samples number c is divided otherwise than that of another brick.
+    pub(super) fn divided_otherwise(&self, other: &Self) -> u8 {
+        let twos = (self.twos ^ other.twos).to_le_bytes();
+        let differs = |c: usize| (self.fours ^ other.fours) >> c & 1 == 1 || twos[c] != 0;
+        (0..8).fold(0, |parts, c| parts | u8::from(differs(c)) << c)
+    }
+
+    /// Whether a region of this level, below a brick's, is in it.
+    #[inline]
+    pub(super) fn has_level(&self, level: u8) -> bool {
+        match level {
+            0 => self.twos != 0,
+            1 => self.twos.count_ones() < 8 * self.fours.count_ones(),
+            _ => self.fours != u8::MAX,
+        }
+    }
+
+    /// All samples, x fastest.
+    pub(super) fn samples(&self) -> [V; VOXELS] {
+        let mut samples = [V::default(); VOXELS];
+        if self.is_finest() {
+            samples.copy_from_slice(&self.values);
+        } else {
+            self.regions(|number, first, level| {
+                fill(&mut samples, first, level, self.values[number]);
+            });
+        }
+        samples
+    }
+
+    /// Bit x + 8y of slice z: the sample's region is of a lower level than this one, of at most 3.
+    #[inline]
+    pub(super) fn below(&self, level: u8, z: usize) -> u64 {
+        match level {
+            0 => 0,
+            _ if self.is_finest() => u64::MAX,
+            1 => (0..4).fold(0, |slice, y| {
+                // Two parts each of the two parts of 4³ samples along x.
+                let parts =
+                    self.twos >> (16 * (y >> 1) + 2 * (y & 1) + 32 * (z >> 2) + 4 * (z >> 1 & 1));
+                let bits =
+                    parts & 1 | (parts & 2) << 1 | (parts & 0x100) >> 4 | (parts & 0x200) >> 3;
+                slice | (bits * 0x0303) << (16 * y)
+            }),
+            2 => (0..4).fold(0, |slice, c| {
+                let is_divided = u64::from(self.fours >> (c + 4 * (z >> 2)) & 1);
+                slice | (is_divided * (0x0f0f_0f0f << (4 * (c & 1)))) << (32 * (c >> 1))
+            }),
+            _ => u64::MAX,
+        }
+    }
+
     /// Calls `tell` with the number of every region, the place of its first sample in the brick, x
     /// fastest, and its level.
     #[inline]
     pub(super) fn regions(&self, mut tell: impl FnMut(usize, usize, u8)) {
-        let places = &*PLACES;
+        if self.is_finest() {
+            (0..VOXELS).for_each(|place| tell(place, place, 0));
+            return;
+        }
         let mut number = 0;
         let mut next = |m: usize, level: u8| {
-            tell(number, places[m].into(), level);
+            tell(number, PLACES[m].into(), level);
             number += 1;
         };
         for c in 0..8 {
@@ -91,23 +192,6 @@ impl<V: Value> Brick<V> {
         }
     }
 
-    /// Writes `of(value)` for every sample, x fastest.
-    #[inline]
-    pub(super) fn spread<T: Copy>(&self, of: impl Fn(V) -> T, all: &mut [T; VOXELS]) {
-        if self.is_finest() {
-            for (&value, &place) in self.values.iter().zip(&*PLACES) {
-                all[usize::from(place) % VOXELS] = of(value);
-            }
-            return;
-        }
-        self.regions(|number, first, level| fill(all, first, level, of(self.values[number])));
-    }
-
-    /// Writes the level of the region of every sample, x fastest.
-    pub(super) fn levels(&self, levels: &mut [u8; VOXELS]) {
-        self.regions(|_, first, level| fill(levels, first, level, level));
-    }
-
     pub(super) fn count(&self, storage: &mut Storage) {
         storage.nodes += u64::from(1 + self.fours.count_ones() + self.twos.count_ones());
         storage.regions += self.values.len() as u64;
@@ -115,6 +199,12 @@ impl<V: Value> Brick<V> {
         storage.resident_bytes +=
             (size_of::<Self>() + size_of_val(&*self.values) + self.corners.len()) as u64;
     }
+}
+
+/// The place of a sample in its brick.
+#[inline]
+pub(super) fn place_of(index: usize) -> [u32; 3] {
+    [index % 8, index / 8 % 8, index / 64].map(|i| i as u32)
 }
 
 /// Fills a cube of a brick.
@@ -126,5 +216,15 @@ fn fill<T: Copy>(all: &mut [T; VOXELS], first: usize, level: u8, value: T) {
             let row = first + side * (y + side * z);
             all[row..row + n].fill(value);
         }
+    }
+}
+
+/// Sets the bits of a cube of a brick.
+#[inline]
+fn mark(slices: &mut Slices, first: usize, level: u8) {
+    const SQUARES: [u64; 3] = [1, 0x0303, 0x0f0f_0f0f];
+    let (z, level) = (first / 64, usize::from(level));
+    for slice in &mut slices[z..z + (1 << level)] {
+        *slice |= SQUARES[level] << (first % 64);
     }
 }

@@ -5,53 +5,55 @@ use rustc_hash::FxHashSet;
 
 use super::{
     HrbOctree, Samples, Value,
+    near::{Beyond, NearBrick, NearVoxels},
     octree::{BRICK_LEVEL, Tree, child},
+    window::Window,
 };
-use crate::mesh::{Border, Brick, Grid, SIDE, VOXELS, offset};
+use crate::mesh::{Border, Brick, Grid, SIDE, Voxels};
 
 /// Some samples of a brick are inside, some are not.
 const INSIDE: u8 = 1;
 const OUTSIDE: u8 = 2;
 const BOTH: u8 = INSIDE | OUTSIDE;
 
-/// On which sides the samples of bricks in a box are; around the volume is a layer of bricks.
-struct Sides {
-    /// The place of the first brick.
-    first: [u32; 3],
-    /// Bricks along each axis, x fastest.
-    n: [usize; 3],
-    sides: Vec<u8>,
-}
-
 impl<V: Value> HrbOctree<V> {
     /// Everything that a mesh of the isosurface needs: what is `isovalue` or above is inside.
     #[must_use]
-    pub fn grid(&self, isovalue: f64, border: Border) -> Grid {
+    pub fn grid(&self, isovalue: f64, border: Border) -> Grid<NearVoxels<'_, V>> {
         let end = self.size.map(|n| n.div_ceil(SIDE) + 2);
-        self.grid_within(isovalue, border, [0; 3], end)
+        self.grid_around(isovalue, border, &Window::new([0; 3], end, true))
     }
 
-    /// The same for the bricks of a box, without those at its border.
-    pub(crate) fn grid_within(
+    /// The same for some bricks: with those around them.
+    pub(crate) fn grid_around(
         &self,
         isovalue: f64,
         border: Border,
-        first: [u32; 3],
-        end: [u32; 3],
-    ) -> Grid {
-        let sides = self.sides(isovalue, border, first, end);
-        let brick = |&slot: &usize| self.brick(sides.place(slot), isovalue, border);
-        let (mixed, others): (Vec<usize>, Vec<usize>) =
-            sides.near().into_iter().partition(|&slot| sides.sides[slot] == BOTH);
-        let mut bricks: Vec<Brick> = mixed.par_iter().map(brick).collect();
-        let mut numbers = vec![usize::MAX; sides.sides.len()];
-        mixed.iter().enumerate().for_each(|(number, &slot)| numbers[slot] = number);
-        let is_met = |slot: &&usize| {
+        wanted: &Window<bool>,
+    ) -> Grid<NearVoxels<'_, V>> {
+        // What is around those that are around decides whether they are near the surface.
+        let first = wanted.first.map(|i| i.saturating_sub(2));
+        let sides = self.sides(isovalue, border, first, wanted.end().map(|i| i + 2));
+        let near = sides.spread();
+        let mut chosen = near.clone();
+        for (place, own) in near.places().zip(&mut chosen.all) {
+            *own = u8::from(*own == BOTH && wanted.has(place));
+        }
+        let chosen = chosen.spread();
+        let slots = near.places().enumerate();
+        let (mixed, others): (Vec<_>, Vec<_>) = slots
+            .filter(|&(slot, _)| chosen.all[slot] == 1 && near.all[slot] == BOTH)
+            .partition(|&(slot, _)| sides.all[slot] == BOTH);
+        let brick = |&(_, place): &(usize, [u32; 3])| self.brick(place, isovalue, border);
+        let mut bricks: Vec<NearBrick<'_, V>> = mixed.par_iter().map(brick).collect();
+        let mut numbers = vec![usize::MAX; sides.all.len()];
+        mixed.iter().enumerate().for_each(|(number, &(slot, _))| numbers[slot] = number);
+        let is_met = |&&(slot, place): &&(usize, [u32; 3])| {
             // What lies beyond the volume is like the samples at its border.
-            self.whole_brick(sides.place(**slot)).is_none()
-                || sides.is_met(**slot, |slot| bricks.get(numbers[slot]))
+            self.whole_brick(place).is_none()
+                || is_met(&sides, slot, place, |slot| bricks.get(numbers[slot]))
         };
-        let met: Vec<Brick> = others.par_iter().filter(is_met).map(brick).collect();
+        let met: Vec<NearBrick<'_, V>> = others.par_iter().filter(is_met).map(brick).collect();
         bricks.extend(met);
         let mut places: FxHashSet<[u32; 3]> = bricks.iter().map(|brick| brick.place).collect();
         let mut bases = Vec::new();
@@ -69,12 +71,11 @@ impl<V: Value> HrbOctree<V> {
     }
 
     /// On which sides the samples of every brick from `first` to before `end` are.
-    fn sides(&self, isovalue: f64, border: Border, first: [u32; 3], end: [u32; 3]) -> Sides {
+    fn sides(&self, isovalue: f64, border: Border, first: [u32; 3], end: [u32; 3]) -> Window<u8> {
         let of_volume = self.size.map(|n| n.div_ceil(SIDE) + 2);
         let end = [0, 1, 2].map(|axis| end[axis].min(of_volume[axis]));
-        let n = [0, 1, 2].map(|axis| (end[axis] - first[axis]) as usize);
         let beyond = if border == Border::Capped { OUTSIDE } else { 0 };
-        let mut all = Sides { first, n, sides: vec![beyond; n.iter().product()] };
+        let mut all = Window::new(first, end, beyond);
         let reach = Samples {
             first: first.map(|i| i.saturating_sub(1) * SIDE),
             end: end.map(|i| i.saturating_sub(1) * SIDE),
@@ -83,25 +84,14 @@ impl<V: Value> HrbOctree<V> {
             let own = base.map(|i| i / SIDE + 1);
             let count = ((1 << level) / SIDE).max(1);
             // Without the layers around the volume.
-            let [xs, ys, zs] = [0, 1, 2].map(|axis| {
-                let last = end[axis].min(of_volume[axis] - 1);
-                let from = own[axis].max(first[axis]) - first[axis];
-                let to = (own[axis] + count).min(last).saturating_sub(first[axis]);
-                from as usize..to.max(from) as usize
-            });
-            for z in zs {
-                for y in ys.clone() {
-                    let row = n[0] * (y + n[1] * z);
-                    all.sides[row + xs.start..row + xs.end].fill(side);
-                }
-            }
+            all.fill(own, [0, 1, 2].map(|axis| (own[axis] + count).min(of_volume[axis] - 1)), side);
         });
         if border == Border::Capped {
             // A brick that the border cuts has phantoms of its own.
             for axis in (0..3).filter(|&axis| !self.size[axis].is_multiple_of(SIDE)) {
-                for slot in 0..all.sides.len() {
-                    if all.place(slot)[axis] == of_volume[axis] - 2 {
-                        all.sides[slot] |= OUTSIDE;
+                for (place, sides) in all.places().zip(&mut all.all) {
+                    if place[axis] == of_volume[axis] - 2 {
+                        *sides |= OUTSIDE;
                     }
                 }
             }
@@ -193,117 +183,35 @@ impl<V: Value> HrbOctree<V> {
     }
 
     /// The values and levels of a brick.
-    pub(super) fn brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> Brick {
-        let Some(first) = self.whole_brick(place) else {
-            return self.border_brick(place, isovalue, border);
+    pub(super) fn brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> NearBrick<'_, V> {
+        let (beyond, first) = match self.whole_brick(place) {
+            Some(first) => (None, first),
+            None => {
+                let (beyond, first) = Beyond::new(place, self.size, border);
+                (Some(beyond), first)
+            }
         };
-        match self.brick_at(first) {
-            (Tree::Region { value, .. }, level) => {
-                Brick::new(place, &[offset(value.to_f64(), isovalue)], &[level])
-            }
-            (Tree::Brick(brick), _) if brick.is_finest() => {
-                Brick::new(place, &self.offsets(first, isovalue), &[0])
-            }
-            _ => Brick::new(place, &self.offsets(first, isovalue), &self.levels(first)),
-        }
-    }
-
-    /// The values at the samples of the brick that begins there.
-    fn offsets(&self, first: [u32; 3], isovalue: f64) -> [f32; VOXELS] {
-        let of = |value: V| offset(value.to_f64(), isovalue);
-        let mut offsets = [0.0; VOXELS];
-        match self.brick_at(first).0 {
-            Tree::Region { value, .. } => offsets = [of(*value); VOXELS],
-            Tree::Brick(brick) => brick.spread(of, &mut offsets),
-            Tree::Node(_) => unreachable!("nodes end in bricks and regions"),
-        }
-        offsets
-    }
-
-    /// The levels of the regions of the samples of the brick that begins there.
-    fn levels(&self, first: [u32; 3]) -> [u8; VOXELS] {
-        let mut levels = [0; VOXELS];
-        match self.brick_at(first) {
-            (Tree::Brick(brick), _) => brick.levels(&mut levels),
-            (_, level) => levels = [level; VOXELS],
-        }
-        levels
-    }
-
-    /// A brick with phantoms: what lies beyond the volume is like the samples at its border, which are
-    /// those of one brick.
-    fn border_brick(&self, place: [u32; 3], isovalue: f64, border: Border) -> Brick {
-        let at = |axis: usize, i: usize| place[axis] * SIDE + i as u32;
-        let clamped = |axis: usize, i| at(axis, i).clamp(SIDE, SIDE + self.size[axis] - 1) - SIDE;
-        let first = [0, 1, 2].map(|axis| clamped(axis, 0) / SIDE * SIDE);
-        let (offsets, levels) = (self.offsets(first, isovalue), self.levels(first));
-        let side = SIDE as usize;
-        let [places, beyond] = {
-            let mut places = [[0; SIDE as usize]; 3];
-            let mut beyond = places;
-            for axis in 0..3 {
-                for i in 0..side {
-                    places[axis][i] = (clamped(axis, i) - first[axis]) as usize;
-                    beyond[axis][i] = usize::from(clamped(axis, i) + SIDE != at(axis, i));
-                }
-            }
-            [places, beyond]
-        };
-        let (mut own_offsets, mut own_levels) = ([0.0; VOXELS], [0; VOXELS]);
-        for i in 0..VOXELS {
-            let [x, y, z] = [i % side, i / side % side, i / side / side];
-            let from = places[0][x] + side * (places[1][y] + side * places[2][z]);
-            let is_beyond = beyond[0][x] + beyond[1][y] + beyond[2][z] > 0;
-            let is_outside = is_beyond && border == Border::Capped;
-            own_offsets[i] = if is_outside { f32::MIN } else { offsets[from] };
-            own_levels[i] = levels[from];
-        }
-        Brick::new(place, &own_offsets, &own_levels)
+        NearVoxels::brick(place, self.brick_at(first), isovalue, beyond)
     }
 }
 
-impl Sides {
-    /// Where a brick is.
-    fn place(&self, slot: usize) -> [u32; 3] {
-        let [nx, ny, _] = self.n;
-        let step = [slot % nx, slot / nx % ny, slot / nx / ny];
-        [0, 1, 2].map(|axis| self.first[axis] + step[axis] as u32)
-    }
-
-    /// The bricks that have, with the 26 around, samples on both sides.
-    fn near(&self) -> Vec<usize> {
-        let mut near = self.sides.clone();
-        // One axis after the other.
-        for axis in 0..3 {
-            let step = [1, self.n[0], self.n[0] * self.n[1]][axis];
-            let before = near.clone();
-            for (slot, side) in near.iter_mut().enumerate() {
-                let at = slot / step % self.n[axis];
-                let lower = if at > 0 { before[slot - step] } else { 0 };
-                let upper = if at + 1 < self.n[axis] { before[slot + step] } else { 0 };
-                *side |= lower | upper;
-            }
+/// Whether samples next to a brick that is on one side are on the other; `mixed` has the bricks on both
+/// sides, as far as they matter.
+fn is_met<'a, B: Voxels + 'a>(
+    sides: &Window<u8>,
+    slot: usize,
+    place: [u32; 3],
+    mixed: impl Fn(usize) -> Option<&'a Brick<B>>,
+) -> bool {
+    (0..27).any(|k| {
+        let step = [k % 3, k / 3 % 3, k / 9];
+        let at = [0, 1, 2].map(|axis| (place[axis] + step[axis] as u32).wrapping_sub(1));
+        let Some(beside) = sides.slot(at) else { return false };
+        match mixed(beside) {
+            Some(brick) => brick.meets(step, sides.all[slot] == OUTSIDE),
+            // Both sides, but not among those that matter.
+            None if sides.all[beside] == BOTH => false,
+            None => sides.all[slot] | sides.all[beside] == BOTH,
         }
-        (0..near.len()).filter(|&slot| near[slot] == BOTH).collect()
-    }
-
-    /// Whether samples next to a brick that is on one side are on the other; `mixed` has the bricks
-    /// on both sides.
-    fn is_met<'a>(&self, slot: usize, mixed: impl Fn(usize) -> Option<&'a Brick>) -> bool {
-        let place = self.place(slot);
-        (0..27).any(|k| {
-            let step = [k % 3, k / 3 % 3, k / 9];
-            let at = [0, 1, 2].map(|axis| {
-                ((place[axis] - self.first[axis]) as usize + step[axis]).wrapping_sub(1)
-            });
-            if (0..3).any(|axis| at[axis] >= self.n[axis]) {
-                return false;
-            }
-            let beside = at[0] + self.n[0] * (at[1] + self.n[1] * at[2]);
-            match mixed(beside) {
-                Some(brick) => brick.meets(step, self.sides[slot] == OUTSIDE),
-                None => self.sides[slot] | self.sides[beside] == BOTH,
-            }
-        })
-    }
+    })
 }

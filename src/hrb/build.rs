@@ -4,11 +4,14 @@
 //! A node becomes one region if its own samples, not the means of its children, are alike: errors do
 //! not add up from level to level. Nodes that reach beyond the volume are always divided.
 
+use std::array;
+
 use rayon::prelude::*;
 
 use super::{
     brick::Brick,
     octree::{BRICK_LEVEL, HrbOctree, Node, Tree, child},
+    parts::{PARTS, Parts},
     sample::{Sample, Value},
 };
 use crate::mesh::{SIDE, VOXELS};
@@ -35,8 +38,6 @@ pub enum Criterion {
 
 /// Edge of a subtree that one thread builds, as a power of two.
 const SUBTREE_LEVEL: u8 = 6;
-/// Parts of 2³ samples in a brick.
-const PARTS: usize = 64;
 
 /// What is known of the samples in a node.
 #[derive(Clone, Copy)]
@@ -99,7 +100,7 @@ impl<T: Sample> Builder<'_, T> {
                 Err(_) => unreachable!("eight children"),
             }
         } else {
-            std::array::from_fn(build)
+            array::from_fn(build)
         };
         let summary =
             children.iter().map(|(_, summary)| *summary).reduce(Summary::joined).flatten();
@@ -122,9 +123,8 @@ impl<T: Sample> Builder<'_, T> {
         };
         let first = row(0, 0)[0];
         if left == [SIDE as usize; 3] && self.tolerance.epsilon >= 0.0 {
-            let is_first =
-                |row: &[T]| row.iter().fold(true, |all, &sample| all & (sample == first));
-            if (0..64).all(|i| is_first(row(i % 8, i / 8))) {
+            let is_first = |row: &[T]| row.as_array::<8>().is_some_and(|row| *row == [first; 8]);
+            if (0..8).all(|z| (0..8).all(|y| is_first(row(y, z)))) {
                 return (Tree::region(first.value()), Some(Summary::of(first, VOXELS as u64)));
             }
         }
@@ -138,7 +138,7 @@ impl<T: Sample> Builder<'_, T> {
         let n = 8 + 7 * (fours.count_ones() + twos.count_ones()) as usize;
         let mut values = Vec::with_capacity(n);
         if twos == u64::MAX {
-            values.extend((0..VOXELS).map(|m| parts.sample(m / 8, m % 8).value()));
+            values.extend(parts.samples.iter().map(|sample| sample.value()));
         } else {
             for c in 0..8 {
                 if fours >> c & 1 == 0 {
@@ -161,18 +161,14 @@ impl<T: Sample> Builder<'_, T> {
     /// Which parts of 4³ samples, and of those which parts of 2³, are divided.
     #[inline]
     fn divided(&self, parts: &Parts<T>) -> (u8, u64) {
-        let (mut fours, mut twos) = (0, 0);
-        for g in 0..PARTS {
-            // No number differs from itself.
-            twos |= u64::from(parts.least[g] != parts.most[g]) << g;
-        }
+        let (mut fours, mut twos) = (0, parts.mixed());
         // Without a tolerance that is all.
         let is_exact = self.tolerance == Tolerance::default() && parts.is_whole();
         for c in 0..8 {
             let own = 0xff << (8 * c);
             let is_divided = if is_exact {
-                let all = &parts.least[8 * c..8 * c + 8];
-                twos & own != 0 || all.iter().any(|sample| *sample != all[0])
+                let [least, _] = parts.range(8 * c);
+                twos & own != 0 || (8 * c + 1..8 * c + 8).any(|g| parts.range(g)[0] != least)
             } else {
                 self.is_divided(&self.summary(parts, 8 * c, 8))
             };
@@ -195,10 +191,10 @@ impl<T: Sample> Builder<'_, T> {
     #[inline]
     fn summary(&self, parts: &Parts<T>, first: usize, n: usize) -> Summary<T> {
         let all = first..first + n;
-        let mut summary = Summary::of(parts.least[first], 8 * n as u64);
-        for g in all.clone() {
-            summary.least = summary.least.least(parts.least[g]);
-            summary.most = summary.most.most(parts.most[g]);
+        let mut summary = Summary::of(parts.range(first)[0], 8 * n as u64);
+        for [least, most] in all.clone().map(|g| parts.range(g)) {
+            summary.least = summary.least.least(least);
+            summary.most = summary.most.most(most);
         }
         summary.is_cut = parts.is_cut(first, n);
         // Otherwise regions are their samples, and no mean is asked for.
@@ -232,92 +228,6 @@ impl<T: Sample> Builder<'_, T> {
         summary.is_cut || !is_alike
     }
 }
-
-/// The samples of a brick, by parts of 2³ in Morton order: those of all parts can be compared at once.
-/// What is beyond the volume stands there like the brick's first sample.
-struct Parts<T> {
-    /// Sample c of part g at 64 c + g.
-    samples: [T; VOXELS],
-    /// Of every part, the least and the largest sample.
-    least: [T; PARTS],
-    most: [T; PARTS],
-    /// Samples of the volume along each axis.
-    left: [usize; 3],
-}
-
-impl<T: Sample> Parts<T> {
-    #[inline]
-    fn of<'a>(first: T, left: [usize; 3], row: impl Fn(usize, usize) -> &'a [T]) -> Self
-    where
-        T: 'a,
-    {
-        let mut samples = [first; VOXELS];
-        for i in 0..SIDE as usize * SIDE as usize {
-            let [y, z] = [i % 8, i / 8];
-            if y >= left[1] || z >= left[2] {
-                continue;
-            }
-            let mut all = [first; SIDE as usize];
-            match row(y, z).try_into() {
-                Ok(row) => all = row,
-                Err(_) => all[..left[0]].copy_from_slice(row(y, z)),
-            }
-            let start =
-                2 * PARTS * (y & 1) + 4 * PARTS * (z & 1) + 2 * SPREAD[y / 2] + 4 * SPREAD[z / 2];
-            for x in 0..8 {
-                samples[start + PARTS * (x & 1) + SPREAD[x / 2]] = all[x];
-            }
-        }
-        let (mut least, mut most) = ([first; PARTS], [first; PARTS]);
-        least.copy_from_slice(&samples[..PARTS]);
-        most.copy_from_slice(&samples[..PARTS]);
-        for c in 1..8 {
-            for g in 0..PARTS {
-                let sample = samples[PARTS * c + g];
-                least[g] = least[g].least(sample);
-                most[g] = most[g].most(sample);
-            }
-        }
-        Self { samples, least, most, left }
-    }
-
-    #[inline]
-    fn sample(&self, g: usize, c: usize) -> T {
-        self.samples[PARTS * c + g]
-    }
-
-    /// Whether all samples are the volume's.
-    #[inline]
-    fn is_whole(&self) -> bool {
-        self.left == [SIDE as usize; 3]
-    }
-
-    /// Whether a sample is one of the volume's.
-    #[inline]
-    fn holds(&self, g: usize, c: usize) -> bool {
-        (0..3).all(|axis| first_of(g, axis) + (c >> axis & 1) < self.left[axis])
-    }
-
-    /// Whether of `n` parts some samples are the volume's and some are not.
-    #[inline]
-    fn is_cut(&self, first: usize, n: usize) -> bool {
-        if self.is_whole() {
-            return false;
-        }
-        let side = [2, 4, 8][n.ilog2() as usize / 3];
-        (0..3).all(|axis| first_of(first, axis) < self.left[axis])
-            && (0..3).any(|axis| first_of(first, axis) + side > self.left[axis])
-    }
-}
-
-/// Where a part of a brick begins along an axis.
-#[inline]
-fn first_of(g: usize, axis: usize) -> usize {
-    2 * (g >> axis & 1) + 4 * (g >> (axis + 3) & 1)
-}
-
-/// Two bits with room for two others between them.
-const SPREAD: [usize; 4] = [0, 1, 8, 9];
 
 impl<T: Sample> Summary<T> {
     /// Of `n` samples like this one.

@@ -8,169 +8,229 @@
 //!
 //! *Based on:* A. León Salas, 2008, section 2.3.
 
+use std::ops::RangeInclusive;
+
 use rayon::prelude::*;
 
 use super::{
-    HrbOctree, Value,
+    HrbOctree, Samples, Value,
     brick::Brick,
-    edit::Samples,
+    edit::Division,
     octree::{BRICK_LEVEL, Tree, child},
+    rows::{Rows, rows_around},
 };
-use crate::mesh::SIDE;
+use crate::mesh::{SIDE, VOXELS};
 
-/// Samples along an edge of a brick with a layer of its neighbours around it.
-const WIDTH: usize = SIDE as usize + 2;
+/// Rows of samples in a brick.
+const ROWS: usize = VOXELS / SIDE as usize;
 
 /// The level of what lies beyond the volume: it answers for nothing.
 const BEYOND: u8 = u8::MAX;
 
-/// A region that is larger than a brick or as large, or the regions of a brick.
-struct Part<'a, V> {
-    base: [u32; 3],
-    level: u8,
-    brick: Option<&'a Brick<V>>,
-}
-
 impl<V: Value> HrbOctree<V> {
     /// Finds for every region the corners that it answers for.
     pub fn assign_corners(&mut self) {
-        self.assign_corners_within(&Samples { first: [0; 3], end: [1 << self.depth; 3] });
+        let mut bases = Vec::new();
+        self.each_part(&self.samples(), 0..=u8::MAX, &mut |base, _| bases.push(base));
+        self.assign_corners_at(&bases);
     }
 
-    /// The same for all regions that reach into a box.
-    pub(super) fn assign_corners_within(&mut self, samples: &Samples) {
-        let mut parts = Vec::new();
-        collect(&self.root, [0; 3], self.depth, samples, &mut parts);
-        let found: Vec<Box<[u8]>> = parts.par_iter().map(|part| self.corners_of(part)).collect();
-        assign(&mut self.root, [0; 3], self.depth, samples, &mut found.into_iter());
+    /// The same where regions are others than before, and around.
+    pub(super) fn assign_corners_around(&mut self, divisions: &[Division]) {
+        let mut bases = Vec::new();
+        for Division { samples, levels } in divisions {
+            self.each_part(&samples.grown(1), levels.clone(), &mut |base, _| bases.push(base));
+        }
+        bases.sort_unstable();
+        bases.dedup();
+        self.assign_corners_at(&bases);
     }
 
-    /// The bits of a part, one byte for each of its regions.
-    fn corners_of(&self, part: &Part<'_, V>) -> Box<[u8]> {
-        let &Part { base, level, brick } = part;
-        let Some(brick) = brick else {
-            let is_real = self.holds(base);
-            let own = if is_real { self.corners_of_region(base, level) } else { 0 };
-            return Box::new([own]);
-        };
-        self.corners_of_brick(brick, base)
+    /// The same for bricks and larger regions that begin there.
+    fn assign_corners_at(&mut self, bases: &[[u32; 3]]) {
+        let found: Vec<Box<[u8]>> = bases.par_iter().map(|&base| self.corners_at(base)).collect();
+        for (&base, bits) in bases.iter().zip(found) {
+            match self.brick_at_mut(base) {
+                Tree::Brick(brick) => brick.corners = bits,
+                Tree::Region { corners, .. } => *corners = bits.first().copied().unwrap_or(0),
+                Tree::Node(_) => unreachable!("nodes end in bricks and regions"),
+            }
+        }
+    }
+
+    /// Tells of all bricks, and larger regions, that reach into a box: the first sample and the level.
+    /// Those without regions of some `levels` are left out.
+    pub(super) fn each_part(
+        &self,
+        within: &Samples,
+        levels: RangeInclusive<u8>,
+        tell: &mut dyn FnMut([u32; 3], u8),
+    ) {
+        self.each_part_of(&self.root, [0; 3], self.depth, (within, &levels), tell);
+    }
+
+    fn each_part_of(
+        &self,
+        tree: &Tree<V>,
+        base: [u32; 3],
+        level: u8,
+        wanted: (&Samples, &RangeInclusive<u8>),
+        tell: &mut dyn FnMut([u32; 3], u8),
+    ) {
+        let (within, levels) = wanted;
+        if !within.meets(base, level) || !self.holds(base) {
+            return;
+        }
+        match tree {
+            Tree::Node(node) if level > *levels.start() => {
+                for (c, tree) in node.children.iter().enumerate() {
+                    self.each_part_of(tree, child(base, level, c), level - 1, wanted, tell);
+                }
+            }
+            Tree::Brick(_) if *levels.start() < BRICK_LEVEL => tell(base, level),
+            Tree::Region { .. } if levels.contains(&level) => tell(base, level),
+            _ => {}
+        }
+    }
+
+    /// The bits of a brick, one byte for each of its regions, or of a larger region.
+    fn corners_at(&self, base: [u32; 3]) -> Box<[u8]> {
+        match self.brick_at(base) {
+            (Tree::Brick(brick), _) => self.corners_of_brick(brick, base),
+            (_, level) => Box::new([self.corners_of_region(base, level)]),
+        }
     }
 
     fn corners_of_region(&self, base: [u32; 3], level: u8) -> u8 {
-        let level_at = |p: [u32; 3]| if self.holds(p) { self.region_at(p).level } else { BEYOND };
-        corners(level, |c, k| {
-            level_at([0, 1, 2].map(|axis| {
+        let level_at = |c: usize, k: usize| {
+            let p = [0, 1, 2].map(|axis| {
                 let corner = base[axis] + ((c as u32 >> axis & 1) << level);
                 (corner + (k as u32 >> axis & 1)).wrapping_sub(1)
-            }))
-        })
+            });
+            if self.holds(p) { self.level_at(p) } else { BEYOND }
+        };
+        // Of the octants around corner c the region itself is in this one.
+        let own = |c: usize| 7 - c;
+        let answers = |c: usize| {
+            (0..own(c)).all(|k| level_at(c, k) > level)
+                && (own(c) + 1..8).all(|k| level_at(c, k) >= level)
+        };
+        (0..8).fold(0, |bits, c| bits | u8::from(answers(c)) << c)
     }
 
     pub(super) fn corners_of_brick(&self, brick: &Brick<V>, base: [u32; 3]) -> Box<[u8]> {
-        let around: [_; 27] = std::array::from_fn(|k| self.part_at(base, k));
-        let is_finest = |part: &Option<(&Tree<V>, u8)>| matches!(part, Some((Tree::Brick(brick), _)) if brick.is_finest());
-        if around.iter().all(is_finest) {
+        let around: [_; 27] = std::array::from_fn(|k| self.divided_at(base, k));
+        // Which samples have regions below a level, with a layer around the brick.
+        let is_inner = self.holds(base.map(|i| i + 2 * SIDE - 1));
+        let below = |level: u8| -> Rows {
+            rows_around(&around, |(brick, base), z| match is_inner {
+                true => brick.below(level, z),
+                false => brick.below(level, z) & self.held(*base, z),
+            })
+        };
+        let mut all = vec![0; brick.values.len()].into_boxed_slice();
+        let mut same = below(1);
+        if same.as_flattened().iter().all(|&row| row == (1 << 10) - 1) {
             // Of eight samples the first answers.
-            return vec![1 << 7; brick.values.len()].into();
+            all.fill(1 << 7);
+            return all;
         }
-        let mut levels = [[[BEYOND; WIDTH]; WIDTH]; WIDTH];
-        for (k, part) in around.into_iter().enumerate() {
-            let Some((part, level)) = part else { continue };
-            let range = |axis: usize| match k / [1, 3, 9][axis] % 3 {
-                0 => 0..1,
-                1 => 1..WIDTH - 1,
-                _ => WIDTH - 1..WIDTH,
-            };
-            for z in range(2) {
-                for y in range(1) {
-                    for x in range(0) {
-                        let p = [x, y, z].map(|i| i as u32);
-                        let p = [0, 1, 2].map(|axis| (base[axis] + p[axis]).wrapping_sub(1));
-                        if self.holds(p) {
-                            levels[z][y][x] = match part {
-                                Tree::Brick(brick) => brick.region_at(p).level,
-                                _ => level,
-                            };
-                        }
-                    }
-                }
+        let mut lower = Rows::default();
+        let mut found = [0; ROWS];
+        for level in 0..BRICK_LEVEL {
+            if level > 0 {
+                lower = same;
+                same = below(level + 1);
+            }
+            if brick.has_level(level) {
+                answers(level, &lower, &same, &mut found);
             }
         }
-        let mut all = vec![0; brick.values.len()];
-        brick.regions(|number, first, level| {
-            let at = [first % 8, first / 8 % 8, first / 64].map(|i| i + 1);
-            if levels[at[2]][at[1]][at[0]] == BEYOND {
-                return;
-            }
-            all[number] = corners(level, |c, k| {
-                let [x, y, z] = [0, 1, 2]
-                    .map(|axis| at[axis] + ((c >> axis & 1) << level) + (k >> axis & 1) - 1);
-                levels[z][y][x]
-            });
+        brick.regions(|number, first, _| {
+            all[number] = (found[first / 8] >> (8 * (first % 8))) as u8;
         });
-        all.into()
+        all
     }
 
-    /// The part of the octree, and its level, at brick x + 3y + 9z of the 27 around one.
-    fn part_at(&self, base: [u32; 3], k: usize) -> Option<(&Tree<V>, u8)> {
+    /// The brick, and its first sample, at x + 3y + 9z of the 27 around one, if it is divided.
+    fn divided_at(&self, base: [u32; 3], k: usize) -> Option<(&Brick<V>, [u32; 3])> {
         let step = [k % 3, k / 3 % 3, k / 9];
         let p = [0, 1, 2].map(|axis| (base[axis] + SIDE * step[axis] as u32).wrapping_sub(SIDE));
-        self.holds(p).then(|| self.brick_at(p))
+        match self.holds(p).then(|| self.brick_at(p).0) {
+            Some(Tree::Brick(brick)) => Some((brick, p)),
+            _ => None,
+        }
+    }
+
+    /// Bit x + 8y of slice z of the brick that begins there: the sample is one of the volume's.
+    #[inline]
+    fn held(&self, base: [u32; 3], z: usize) -> u64 {
+        let n = [0, 1, 2].map(|axis| self.size[axis] - base[axis]);
+        if n.iter().all(|&n| n >= SIDE) {
+            return u64::MAX;
+        }
+        let row = (1_u64 << n[0].min(SIDE)) - 1;
+        let is_held = |y: u32| y < n[1] && (z as u32) < n[2];
+        (0..SIDE).fold(0, |slice, y| slice | if is_held(y) { row << (8 * y) } else { 0 })
     }
 }
 
-/// The corners that a region of this level answers for, given the level of the region in octant k
-/// around its corner c.
+/// For regions of a level in a brick, at the places of their first samples, a byte each, the corners
+/// that they answer for. `lower` and `same` have the samples of regions below that level and up to it.
+fn answers(level: u8, lower: &Rows, same: &Rows, found: &mut [u64; ROWS]) {
+    let size = 1 << level;
+    for z in (0..8).step_by(size) {
+        let own = |rows: &Rows| eight(&rows[z + 1], 1) >> 1;
+        let begin = own(same) & !own(lower) & BEGIN[usize::from(level)];
+        for side in 0..4 {
+            // The corners on an edge along x; four pairs of octants are around them.
+            let corner = [side & 1, side >> 1].map(|step| step << level);
+            let pair =
+                |rows: &Rows, k: usize| eight(&rows[z + corner[1] + (k >> 1)], corner[0] + (k & 1));
+            // Another answers if it is smaller, or as small and before.
+            let own = 3 - side;
+            let around = (0..4).filter(|&k| k != own).fold(0, |others, k| {
+                let pair = pair(if k < own { same } else { lower }, k);
+                others | pair | pair >> 1
+            });
+            let others = [around | pair(same, own), (around | pair(lower, own) >> 1) >> size];
+            for (c, others) in (2 * side..).zip(others) {
+                mark(begin & !others, c, &mut found[8 * z..8 * z + 8]);
+            }
+        }
+    }
+}
+
+/// Of eight rows in a slice, 16 bits each, where regions of each level may begin.
+const BEGIN: [u128; BRICK_LEVEL as usize] = [
+    u128::MAX / 0xffff * 0xff,
+    u128::MAX / 0xffff_ffff * 0x55,
+    u128::MAX / u64::MAX as u128 * 0x11,
+];
+
+/// Eight rows of a slice, 16 bits each; nothing where there are no more.
 #[inline]
-fn corners(level: u8, at: impl Fn(usize, usize) -> u8) -> u8 {
-    let answers = |c: usize| {
-        let own = 7 - c;
-        (0..own).all(|k| at(c, k) > level) && (own + 1..8).all(|k| at(c, k) >= level)
-    };
-    (0..8).fold(0, |bits, c| bits | u8::from(answers(c)) << c)
+fn eight(slice: &[u16; 10], first: usize) -> u128 {
+    let start = first.min(2);
+    let Some(rows) = slice[start..].first_chunk::<8>() else { return 0 };
+    // One load each.
+    let four = |i: usize| (0..4).fold(0, |four, k| four | u64::from(rows[i + k]) << (16 * k));
+    (u128::from(four(0)) | u128::from(four(4)) << 64) >> (16 * (first - start))
 }
 
-fn collect<'a, V>(
-    tree: &'a Tree<V>,
-    base: [u32; 3],
-    level: u8,
-    within: &Samples,
-    parts: &mut Vec<Part<'a, V>>,
-) {
-    if !within.meets(base, level) {
-        return;
-    }
-    match tree {
-        Tree::Region { .. } => parts.push(Part { base, level, brick: None }),
-        Tree::Brick(brick) => parts.push(Part { base, level: BRICK_LEVEL, brick: Some(brick) }),
-        Tree::Node(node) => {
-            for (c, tree) in node.children.iter().enumerate() {
-                collect(tree, child(base, level, c), level - 1, within, parts);
-            }
+/// Marks corner c of the regions that begin in a slice at these places, eight rows of 16 bits.
+#[inline]
+fn mark(rows: u128, c: usize, slice: &mut [u64]) {
+    let mut rest = rows;
+    for row in slice {
+        if rest == 0 {
+            return;
         }
-    }
-}
-
-/// Puts the bits of all parts where they belong, in the order of [`collect`].
-fn assign<V>(
-    tree: &mut Tree<V>,
-    base: [u32; 3],
-    level: u8,
-    within: &Samples,
-    found: &mut impl Iterator<Item = Box<[u8]>>,
-) {
-    if !within.meets(base, level) {
-        return;
-    }
-    match tree {
-        Tree::Node(node) => {
-            for (c, tree) in node.children.iter_mut().enumerate() {
-                assign(tree, child(base, level, c), level - 1, within, found);
-            }
-        }
-        Tree::Brick(brick) => brick.corners = found.next().unwrap_or_default(),
-        Tree::Region { corners, .. } => {
-            *corners = found.next().and_then(|bits| bits.first().copied()).unwrap_or(0);
-        }
+        // A bit in each of eight bytes.
+        let eight = (rest as u64 & 0xff) * 0x0101_0101_0101_0101;
+        let bits = eight & 0x8040_2010_0804_0201;
+        let set = (bits + 0x7f7f_7f7f_7f7f_7f7f) >> 7 & 0x0101_0101_0101_0101;
+        *row |= set << c;
+        rest >>= 16;
     }
 }

@@ -6,99 +6,24 @@
 //!
 //! *Based on:* A. León Salas, 2008, section 4.2 (local updates of the IDDG-Octree).
 
+use std::ops::RangeInclusive;
+
 use super::{
-    HrbOctree, Region, Tolerance, Value,
+    HrbOctree, Samples, Tolerance, Value,
     build::Builder,
     octree::{BRICK_LEVEL, Node, Tree, child},
+    samples::copy,
 };
-use crate::mesh::SIDE;
+use crate::mesh::VOXELS;
 
-/// A box of samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Samples {
-    /// The first one.
-    pub first: [u32; 3],
-    /// Behind the last one, along each axis.
-    pub end: [u32; 3],
-}
-
-impl Samples {
-    /// Whether there are none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        (0..3).any(|axis| self.first[axis] >= self.end[axis])
-    }
-
-    /// Samples along each axis.
-    #[must_use]
-    pub fn size(&self) -> [usize; 3] {
-        [0, 1, 2].map(|axis| self.end[axis].saturating_sub(self.first[axis]) as usize)
-    }
-
-    /// How many there are.
-    #[must_use]
-    pub fn n(&self) -> usize {
-        self.size().iter().product()
-    }
-
-    /// All of them, x fastest.
-    pub fn iter(&self) -> impl Iterator<Item = [u32; 3]> + use<> {
-        let Self { first, end } = *self;
-        (first[2]..end[2]).flat_map(move |z| {
-            (first[1]..end[1]).flat_map(move |y| (first[0]..end[0]).map(move |x| [x, y, z]))
-        })
-    }
-
-    /// The number of one of them.
-    #[inline]
-    #[must_use]
-    pub fn index(&self, p: [u32; 3]) -> usize {
-        let [nx, ny, _] = self.size();
-        let [x, y, z] = [0, 1, 2].map(|axis| (p[axis] - self.first[axis]) as usize);
-        x + nx * (y + ny * z)
-    }
-
-    /// Those that another box has too.
-    #[must_use]
-    pub fn and(&self, other: &Self) -> Self {
-        Self {
-            first: [0, 1, 2].map(|axis| self.first[axis].max(other.first[axis])),
-            end: [0, 1, 2].map(|axis| self.end[axis].min(other.end[axis])),
-        }
-    }
-
-    /// The least box with these and those of another, which may be empty.
-    #[must_use]
-    pub fn with(&self, other: &Self) -> Self {
-        if self.is_empty() {
-            return *other;
-        }
-        Self {
-            first: [0, 1, 2].map(|axis| self.first[axis].min(other.first[axis])),
-            end: [0, 1, 2].map(|axis| self.end[axis].max(other.end[axis])),
-        }
-    }
-
-    /// With `n` more on every side, as far as numbers reach.
-    #[must_use]
-    pub fn grown(&self, n: u32) -> Self {
-        Self { first: self.first.map(|i| i.saturating_sub(n)), end: self.end.map(|i| i + n) }
-    }
-
-    /// None.
-    const NONE: Self = Self { first: [0; 3], end: [0; 3] };
-
-    /// Those of a node.
-    fn of_node(base: [u32; 3], level: u8) -> Self {
-        Self { first: base, end: base.map(|i| i + (1 << level)) }
-    }
-
-    /// Whether a node reaches into the box.
-    #[inline]
-    pub(super) fn meets(&self, base: [u32; 3], level: u8) -> bool {
-        (0..3)
-            .all(|axis| base[axis] < self.end[axis] && base[axis] + (1 << level) > self.first[axis])
-    }
+/// What a change has made of an octree: regions that were there and are not, or the other way round,
+/// and those that have other values.
+#[derive(Clone, Debug, Default)]
+pub struct Changes {
+    /// Boxes of samples, each in one brick.
+    pub bricks: Vec<Samples>,
+    /// Regions larger than bricks that were divided, or joined.
+    pub large: Vec<Samples>,
 }
 
 impl<V: Value> HrbOctree<V> {
@@ -116,41 +41,28 @@ impl<V: Value> HrbOctree<V> {
         values
     }
 
-    /// Changes samples of the volume to `values`, x fastest. Corners are found again where they were
-    /// assigned. Returns the box of all regions that were there and are not, or the other way round; it
-    /// may be empty.
-    pub fn set(&mut self, samples: &Samples, values: &[V]) -> Samples {
-        let mut change = Change { size: self.size, samples, values, changed: Samples::NONE };
+    /// Changes samples of the volume to `values`, x fastest, and the corners that regions answer for.
+    pub fn set(&mut self, samples: &Samples, values: &[V]) -> Changes {
+        let mut change = Change {
+            size: self.size,
+            samples,
+            values,
+            changes: Changes::default(),
+            divisions: Vec::new(),
+        };
         change.node(&mut self.root, [0; 3], self.depth);
-        let changed = change.changed;
-        if !changed.is_empty() {
-            self.assign_corners_within(&changed.grown(1));
-        }
-        changed
+        let Change { changes, divisions, .. } = change;
+        self.assign_corners_around(&divisions);
+        changes
     }
 
-    /// The first samples of all regions larger than a brick that reach into a box.
-    pub(crate) fn large_bases(&self, samples: &Samples) -> Vec<[u32; 3]> {
-        let mut bases = Vec::new();
-        let mut at = samples.and(&self.samples()).first.map(|i| i / SIDE * SIDE);
-        let first = at;
-        let end = samples.and(&self.samples()).end;
-        while at[2] < end[2] {
-            let Region { base, level, .. } = self.region_at(at);
-            if level > BRICK_LEVEL && bases.last() != Some(&base) {
-                bases.push(base);
-            }
-            at[0] += SIDE;
-            for axis in 0..2 {
-                if at[axis] >= end[axis] {
-                    at[axis] = first[axis];
-                    at[axis + 1] += SIDE;
-                }
-            }
-        }
-        bases.sort_unstable();
-        bases.dedup();
-        bases
+    /// All regions larger than a brick that reach into a box: their samples.
+    pub(crate) fn large_regions(&self, within: &Samples) -> Vec<Samples> {
+        let mut found = Vec::new();
+        self.each_part(within, BRICK_LEVEL + 1..=u8::MAX, &mut |base, level| {
+            found.push(Samples::of_node(base, level));
+        });
+        found
     }
 }
 
@@ -158,17 +70,21 @@ fn read<V: Value>(tree: &Tree<V>, base: [u32; 3], level: u8, samples: &Samples, 
     if !samples.meets(base, level) {
         return;
     }
-    let own = samples.and(&Samples::of_node(base, level));
+    let node = Samples::of_node(base, level);
     match tree {
         Tree::Node(node) => {
             for (c, tree) in node.children.iter().enumerate() {
                 read(tree, child(base, level, c), level - 1, samples, values);
             }
         }
-        Tree::Region { value, .. } => own.iter().for_each(|p| values[samples.index(p)] = *value),
-        Tree::Brick(brick) => {
-            own.iter().for_each(|p| values[samples.index(p)] = brick.region_at(p).value);
+        Tree::Region { value, .. } => {
+            let own = samples.and(&node);
+            for row in own.rows() {
+                let start = samples.index(row);
+                values[start..start + own.size()[0]].fill(*value);
+            }
         }
+        Tree::Brick(brick) => copy(&brick.samples(), &node, values, samples),
     }
 }
 
@@ -177,25 +93,35 @@ struct Change<'a, V> {
     size: [u32; 3],
     samples: &'a Samples,
     values: &'a [V],
-    changed: Samples,
+    changes: Changes,
+    divisions: Vec<Division>,
+}
+
+/// Where regions are others than before.
+pub(super) struct Division {
+    /// Their samples.
+    pub(super) samples: Samples,
+    /// Their levels, before or after: for a region that is smaller or larger than all of them nothing
+    /// changes.
+    pub(super) levels: RangeInclusive<u8>,
 }
 
 impl<V: Value> Change<'_, V> {
     fn node(&mut self, tree: &mut Tree<V>, base: [u32; 3], level: u8) {
         let of_volume = Samples { first: [0; 3], end: self.size };
-        let own = Samples::of_node(base, level).and(&of_volume);
+        let node = Samples::of_node(base, level);
+        let own = node.and(&of_volume);
         let touched = self.samples.and(&own);
         if touched.is_empty() {
             return;
         }
-        if let Tree::Region { value, .. } = tree {
-            let is_same = |p| self.values[self.samples.index(p)] == *value;
-            if touched.iter().all(is_same) {
-                return;
-            }
+        if let Tree::Region { value, .. } = tree
+            && self.is_all(&touched, *value)
+        {
+            return;
         }
         if level == BRICK_LEVEL {
-            return self.brick(tree, base, &own, &touched);
+            return self.brick(tree, &node, &own, &touched);
         }
         let was_region = match *tree {
             Tree::Region { value, .. } => {
@@ -205,40 +131,96 @@ impl<V: Value> Change<'_, V> {
             }
             _ => false,
         };
-        let Tree::Node(node) = tree else { unreachable!("bricks are smaller") };
-        for (c, tree) in node.children.iter_mut().enumerate() {
+        let Tree::Node(inner) = tree else { unreachable!("bricks are smaller") };
+        for (c, tree) in inner.children.iter_mut().enumerate() {
             self.node(tree, child(base, level, c), level - 1);
         }
-        let is_whole = own == Samples::of_node(base, level);
-        let merged = if is_whole { node.same() } else { None };
+        let merged = if own == node { inner.same() } else { None };
         if let Some(value) = merged {
             *tree = Tree::region(value);
         } else {
-            node.range = range_of(node, base, level, self.size);
+            inner.range = range_of(inner, base, level, self.size);
         }
         if was_region || merged.is_some() {
-            self.changed = self.changed.with(&own);
+            self.changes.large.push(own);
+            // Children that are divided further tell of that themselves.
+            self.divisions.push(Division { samples: own, levels: level - 1..=level });
         }
     }
 
+    /// Whether all new values of some samples are this one.
+    fn is_all(&self, touched: &Samples, value: V) -> bool {
+        let n = touched.size()[0];
+        touched.rows().all(|row| {
+            let start = self.samples.index(row);
+            self.values[start..start + n].iter().fold(true, |all, &new| all & (new == value))
+        })
+    }
+
     /// Builds a brick anew.
-    fn brick(&mut self, tree: &mut Tree<V>, base: [u32; 3], own: &Samples, touched: &Samples) {
-        let mut values = vec![V::default(); own.n()];
-        read(tree, base, BRICK_LEVEL, own, &mut values);
-        let mut is_same = true;
-        for p in touched.iter() {
-            let (old, new) = (&mut values[own.index(p)], self.values[self.samples.index(p)]);
-            is_same &= *old == new;
-            *old = new;
+    fn brick(&mut self, tree: &mut Tree<V>, node: &Samples, own: &Samples, touched: &Samples) {
+        let mut values = match tree {
+            Tree::Brick(brick) => brick.samples(),
+            Tree::Region { value, .. } => [*value; VOXELS],
+            Tree::Node(_) => unreachable!("nodes are larger"),
+        };
+        let mut changed = Samples::NONE;
+        let n = touched.size()[0];
+        for row in touched.rows() {
+            let (start, goal) = (self.samples.index(row), node.index(row));
+            let (new, old) = (&self.values[start..start + n], &mut values[goal..goal + n]);
+            if new != old {
+                let end = [row[0] + n as u32, row[1] + 1, row[2] + 1];
+                changed = changed.with(&Samples { first: row, end });
+                old.copy_from_slice(new);
+            }
         }
-        if is_same {
+        if changed.is_empty() {
             return;
         }
+        let mut clipped = Vec::new();
+        let samples = if own == node {
+            &values[..]
+        } else {
+            clipped.resize(own.n(), V::default());
+            copy(&values, node, &mut clipped, own);
+            &clipped
+        };
         let size = own.size().map(|n| n as u32);
-        let builder = Builder { samples: &values, size, tolerance: Tolerance::default() };
-        (*tree, _) = builder.brick([0; 3]);
-        self.changed = self.changed.with(own);
+        let builder = Builder { samples, size, tolerance: Tolerance::default() };
+        let (mut built, _) = builder.brick([0; 3]);
+        // The largest regions that there may be, before or after.
+        let mut level = BRICK_LEVEL;
+        match (&mut *tree, &mut built) {
+            (Tree::Brick(old), Tree::Brick(new)) => {
+                level = old.largest().max(new.largest());
+                let other = old.divided_otherwise(new);
+                if other == 0 {
+                    // Who answers for what has not changed.
+                    new.corners = std::mem::take(&mut old.corners);
+                } else {
+                    let samples = parts(node.first, other).and(own);
+                    self.divisions.push(Division { samples, levels: 0..=level });
+                }
+            }
+            _ => self.divisions.push(Division { samples: *own, levels: 0..=level }),
+        }
+        *tree = built;
+        let whole = Samples {
+            first: changed.first.map(|i| i >> level << level),
+            end: changed.end.map(|i| (i + (1 << level) - 1) >> level << level),
+        };
+        self.changes.bricks.push(whole.and(own));
     }
+}
+
+/// The box of some parts, as bits, of 4³ samples of the brick that begins there.
+fn parts(first: [u32; 3], parts: u8) -> Samples {
+    let part = |c: u32| {
+        let first = [0, 1, 2].map(|axis| first[axis] + 4 * (c >> axis & 1));
+        Samples { first, end: first.map(|i| i + 4) }
+    };
+    (0..8).filter(|c| parts >> c & 1 == 1).fold(Samples::NONE, |all, c| all.with(&part(c)))
 }
 
 impl<V: Value> Node<V> {

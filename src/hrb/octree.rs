@@ -107,6 +107,14 @@ impl<V: Value> HrbOctree<V> {
         }
     }
 
+    /// The level of the region that holds a sample.
+    pub(super) fn level_at(&self, p: [u32; 3]) -> u8 {
+        match self.brick_at(p) {
+            (Tree::Brick(brick), _) => brick.level_at(p),
+            (_, level) => level,
+        }
+    }
+
     /// The brick that holds a sample, or the region if it is larger; and its level.
     pub(super) fn brick_at(&self, p: [u32; 3]) -> (&Tree<V>, u8) {
         let (mut tree, mut level) = (&self.root, self.depth);
@@ -115,6 +123,16 @@ impl<V: Value> HrbOctree<V> {
             tree = &node.children[octant(p, level)];
         }
         (tree, level)
+    }
+
+    /// The same, to be changed.
+    pub(super) fn brick_at_mut(&mut self, p: [u32; 3]) -> &mut Tree<V> {
+        let (mut tree, mut level) = (&mut self.root, self.depth);
+        while let Tree::Node(node) = tree {
+            level -= 1;
+            tree = &mut node.children[octant(p, level)];
+        }
+        tree
     }
 
     /// Whether a sample, counted with wrapping, is one of the volume's.

@@ -1,5 +1,7 @@
 //! The types of samples, and what octrees keep of them.
 
+use crate::mesh::Threshold;
+
 /// A sample of a volume.
 pub trait Sample: Copy + PartialOrd + Send + Sync {
     /// What a region keeps: the sample itself, or a mean.
@@ -45,7 +47,7 @@ pub trait Sample: Copy + PartialOrd + Send + Sync {
 }
 
 /// What a region keeps: a sample by itself, too, so that what is kept can be changed.
-pub trait Value: Sample<Value = Self> + Default + std::fmt::Debug {
+pub trait Value: Sample<Value = Self> + Threshold + std::fmt::Debug {
     /// The nearest; halves up.
     fn from_f64(value: f64) -> Self;
 }
@@ -59,6 +61,21 @@ impl Value for Fixed8 {
     #[inline]
     fn from_f64(value: f64) -> Self {
         Self((value + 0.5).floor().clamp(0.0, 255.0) as u16 * 256)
+    }
+}
+
+impl From<Fixed8> for f64 {
+    #[inline]
+    fn from(value: Fixed8) -> Self {
+        value.to_f64()
+    }
+}
+
+impl Threshold for Fixed8 {
+    fn at_least(isovalue: f64) -> Option<Self> {
+        let least = (256.0 * isovalue).ceil();
+        // The conversion is cut to the type's range.
+        (least <= u16::MAX.into()).then_some(Self(least as u16))
     }
 }
 

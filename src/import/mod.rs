@@ -3,12 +3,21 @@
 //! What a scene cannot say is left out, with a comment in the scene and a note to the user.
 
 mod camera;
+mod cube;
+mod elements;
 mod jsurf;
+mod molecule;
+mod pdb;
 mod properties;
 mod similarity;
 mod values;
+mod xyz;
 
-use std::{fmt::Write as _, path::Path};
+use std::{
+    fmt::Write as _,
+    ops::Range,
+    path::{Component, Path, PathBuf},
+};
 
 use glam::DVec3;
 
@@ -41,39 +50,120 @@ struct Format {
     what: &'static str,
     /// The largest file, in bytes.
     max_bytes: u64,
-    /// What makes a scene of one; the mistakes are those of its text, in any order.
-    import: fn(&Source<'_>) -> std::result::Result<Converted, Vec<Diagnostic>>,
+    import: Import,
 }
 
-/// All formats, in the order in which they are listed to the user.
-const FORMATS: [Format; 1] =
-    [Format { ending: "jsurf", what: "Surfer", max_bytes: 4 << 20, import: jsurf::import }];
+/// What makes a scene of a file.
+enum Import {
+    /// Reads its text; the mistakes are those of the text, in any order.
+    Text(OfText),
+    /// Leaves its content where it is: the scene names the file, as the second argument does. The
+    /// mistake is a sentence without the name of the file.
+    Named(OfFile),
+}
 
-/// Makes a scene of the file at `path`; the ending of its name tells the format.
+type OfText = fn(&Source<'_>) -> std::result::Result<Converted, Vec<Diagnostic>>;
+type OfFile = fn(&Source<'_>, &str) -> std::result::Result<Converted, String>;
+
+/// All formats, in the order in which they are listed to the user.
+const FORMATS: [Format; 6] = [
+    text("jsurf", "Surfer", 4, jsurf::import),
+    text("xyz", "XYZ molecule", 256, xyz::import),
+    text("pdb", "PDB molecule", 256, pdb::import),
+    text("ent", "PDB molecule", 256, pdb::import),
+    named("cube", "Gaussian cube", cube::import),
+    named("cub", "Gaussian cube", cube::import),
+];
+
+const fn text(ending: &'static str, what: &'static str, max_mib: u64, import: OfText) -> Format {
+    Format { ending, what, max_bytes: max_mib << 20, import: Import::Text(import) }
+}
+
+const fn named(ending: &'static str, what: &'static str, import: OfFile) -> Format {
+    Format { ending, what, max_bytes: 0, import: Import::Named(import) }
+}
+
+/// Makes a scene of the file at `path`; the ending of its name tells the format. If the scene names the
+/// file, then as `path` does.
 ///
 /// # Errors
 /// The ending belongs to no format, or the file cannot be read, is too large or has mistakes.
 pub fn convert(path: &Path) -> Result<Converted> {
-    let format = format(path)?;
-    let failed = |source| Error::Io { action: "read", path: path.to_owned(), source };
-    let bytes = files::read(path, format.max_bytes).map_err(failed)?.ok_or_else(|| {
-        let (what, limit) = (format.what, format.max_bytes >> 20);
-        Error::Limit(format!("the file is larger than {limit} MiB: this is no {what} file"))
-    })?;
-    convert_text(path, decode(bytes))
+    convert_as(path, &path.to_string_lossy())
+}
+
+/// As [`convert`], for a scene that will be the file `scene`: if it names the file at `path`, then as it is
+/// found from there.
+///
+/// # Errors
+/// As [`convert`].
+pub fn convert_to(path: &Path, scene: &Path) -> Result<Converted> {
+    convert_as(path, &name_from(path, scene))
 }
 
 /// As [`convert`], with the text that the file holds. Nothing is read from disk.
 ///
 /// # Errors
-/// As [`convert`].
+/// As [`convert`]; also if the file holds no text.
 pub fn convert_text(path: &Path, text: String) -> Result<Converted> {
-    let converted = (format(path)?.import)(&Source { path, text: &text });
-    converted.map_err(|mut diagnostics| {
-        diagnostics.sort_by_key(|diagnostic| diagnostic.span.start);
-        let sources = Sources { path: path.to_owned(), text, ..Sources::default() };
-        Error::Scene(Box::new(Rejection { sources, diagnostics }))
-    })
+    match format(path)?.import {
+        Import::Text(import) => of_text(import, path, text),
+        Import::Named(_) => {
+            Err(Error::Unknown(format!("{} is looked at on disk alone", path.display())))
+        }
+    }
+}
+
+/// As [`convert`]; if the scene names the file, then as `name`.
+fn convert_as(path: &Path, name: &str) -> Result<Converted> {
+    let format = format(path)?;
+    match format.import {
+        Import::Text(import) => of_text(import, path, read(path, format)?),
+        Import::Named(import) => {
+            let converted = import(&Source { path, text: "" }, name);
+            converted.map_err(|why| {
+                let message = format!("the file cannot be used: {why}");
+                rejected(path, String::new(), vec![Diagnostic::new(0..0, message)])
+            })
+        }
+    }
+}
+
+fn of_text(import: OfText, path: &Path, text: String) -> Result<Converted> {
+    let converted = import(&Source { path, text: &text });
+    converted.map_err(|diagnostics| rejected(path, text, diagnostics))
+}
+
+fn rejected(path: &Path, text: String, mut diagnostics: Vec<Diagnostic>) -> Error {
+    diagnostics.sort_by_key(|diagnostic| diagnostic.span.start);
+    let sources = Sources { path: path.to_owned(), text, ..Sources::default() };
+    Error::Scene(Box::new(Rejection { sources, diagnostics }))
+}
+
+/// The text of a file.
+fn read(path: &Path, format: &Format) -> Result<String> {
+    let failed = |source| Error::Io { action: "read", path: path.to_owned(), source };
+    let bytes = files::read(path, format.max_bytes).map_err(failed)?.ok_or_else(|| {
+        let (what, limit) = (format.what, format.max_bytes >> 20);
+        Error::Limit(format!("the file is larger than {limit} MiB: this is no {what} file"))
+    })?;
+    Ok(decode(bytes))
+}
+
+/// What the file at `path` is called in the file `scene`.
+fn name_from(path: &Path, scene: &Path) -> String {
+    let written = |path: &Path| path.to_string_lossy().into_owned();
+    let folder = match scene.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    // A folder that is not there is a mistake that is told when the scene is written.
+    let (Ok(file), Ok(folder)) = (path.canonicalize(), folder.canonicalize()) else {
+        return written(path);
+    };
+    let n_shared = file.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    let up = folder.components().skip(n_shared).map(|_| Component::ParentDir);
+    written(&up.chain(file.components().skip(n_shared)).collect::<PathBuf>())
 }
 
 /// The endings of files that can be converted, with what they are.
@@ -95,6 +185,17 @@ fn format(path: &Path) -> Result<&'static Format> {
 fn decode(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes)
         .unwrap_or_else(|error| error.as_bytes().iter().copied().map(char::from).collect())
+}
+
+/// The lines of a text, and where they stand.
+fn lines(text: &str) -> impl Iterator<Item = (&str, Range<usize>)> {
+    let mut start = 0;
+    text.split_inclusive('\n').map(move |whole| {
+        let line = whole.trim_end_matches(['\r', '\n']);
+        let at = start..start + line.len();
+        start += whole.len();
+        (line, at)
+    })
 }
 
 /// The first line of a scene: the file that it was made of, and what that is.
@@ -155,6 +256,18 @@ mod tests {
         for name in ["a", "a.png", "jsurf"] {
             assert!(matches!(format(Path::new(name)), Err(Error::Unknown(_))), "{name}");
         }
+    }
+
+    #[test]
+    fn files_are_named_from_where_the_scene_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::create_dir_all(at("a/b")).unwrap();
+        std::fs::write(at("a/c.cube"), "").unwrap();
+        let name = |scene: &str| name_from(&at("a/c.cube"), &at(scene));
+        assert_eq!(name("a/s.toml"), "c.cube");
+        assert_eq!(name("s.toml"), "a/c.cube");
+        assert_eq!(name("a/b/s.toml"), "../c.cube");
     }
 
     #[test]

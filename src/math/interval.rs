@@ -489,7 +489,10 @@ impl<L: Lanes> Number for Interval<L> {
     #[inline(always)]
     fn abs_slope(self) -> Self {
         let (one, zero) = (self.lo.same(1.0), self.zero());
-        Self { lo: L::pick(self.lo.lt(zero), -one, one), hi: L::pick(self.hi.lt(zero), -one, one) }
+        let begins_below = self.lo.lt(zero);
+        // What ends at 0 falls all the way, as what begins there rises.
+        let falls = begins_below & self.hi.le(zero);
+        Self { lo: L::pick(begins_below, -one, one), hi: L::pick(falls, -one, one) }
     }
 
     /// 1 from a whole number to the next half, −1 from there on.

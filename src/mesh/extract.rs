@@ -13,26 +13,24 @@
 //! *Based on:* A. León Salas, 2008, sections 2.3 and 2.4 (the dual grid, and crossings within half a
 //! voxel of the face that two voxels share).
 
-use std::{iter, ops::Range};
+use std::{ops::Range, sync::LazyLock};
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::{
-    cases::{CASES, Case, N_EDGES, axis_of, faces_of, fan, lower_octant},
-    grid::{Border, Grid, Leaf, RUN, SIDE, VOXELS, index_of},
-    halo::{Halo, WIDTH},
+    cases::{CASES, Case, N_EDGES, faces_of, fan},
+    cells::CellBits,
+    cuts::{Cuts, DualEdge, WORDS},
+    grid::{Border, Grid, Leaf, RUN, SIDE, VOXELS, Voxels},
+    halo::Halo,
+    numbers::{Numbers, STEPS_TO, cell_at},
 };
-use crate::math::morton_encode;
 
 /// Cut edges stay away from both ends of the zone in which they are looked for by this part of it:
 /// large enough for f32 to tell them apart in grids of 16384 voxels, so that values equal to the
 /// isovalue leave no triangle without area.
 pub const LEAST_PART: f64 = 1.0 / 256.0;
-
-/// Directions from a voxel to its neighbours: +x, +y, +z, −x, −y, −z.
-const DIRECTIONS: usize = 6;
-const WORDS: usize = DIRECTIONS * VOXELS / 64;
 
 /// A vertex on a dual edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -76,22 +74,15 @@ pub struct Extraction<T = Crossing> {
 /// Finds the surface where values are the isovalue of `grid`; `vertex` makes what is kept of every
 /// crossing.
 #[must_use]
-pub fn extract<T: Copy + Default + Send>(
-    grid: &Grid,
+pub fn extract<B: Voxels, T: Copy + Default + Send>(
+    grid: &Grid<B>,
     vertex: impl Fn(&Crossing) -> T + Sync,
 ) -> Extraction<T> {
     let n = grid.bricks.len();
-    let halos: Vec<Halo<'_>> =
-        (0..n).into_par_iter().map(|number| Halo::new(grid, number)).collect();
-    let cuts = Cuts::of_all(grid, &halos);
-    let mut n_vertices = 0;
-    let firsts: Vec<u32> = cuts
-        .iter()
-        .map(|cuts| {
-            n_vertices += cuts.count();
-            n_vertices - cuts.count()
-        })
-        .collect();
+    let mut cuts = vec![Cuts::default(); n];
+    Cuts::find(&mut cuts, grid, |_| true);
+    let firsts = Cuts::firsts(&cuts);
+    let n_vertices: u32 = cuts.iter().map(Cuts::count).sum();
     let edges = Edges { grid, cuts, firsts };
     let mut vertices = vec![T::default(); n_vertices as usize];
     let mut rest = vertices.as_mut_slice();
@@ -108,12 +99,14 @@ pub fn extract<T: Copy + Default + Send>(
         let mut own = own.iter_mut();
         let mut numbers = Numbers::default();
         for number in bricks {
-            let halo = &halos[number];
-            // In this order nothing of `own` is taken for an end.
-            for (crossing, place) in edges.crossings(halo, number).zip(own.by_ref()) {
-                *place = vertex(&crossing);
-            }
-            edges.triangles(halo, &mut numbers, &mut triangles);
+            let halo = Halo::new(grid, number);
+            let cells = halo.cells();
+            edges.each_crossing(&halo, &cells, |crossing| {
+                if let Some(place) = own.next() {
+                    *place = vertex(crossing);
+                }
+            });
+            edges.triangles(&halo, &cells, &mut numbers, &mut triangles);
         }
         triangles
     };
@@ -121,294 +114,137 @@ pub fn extract<T: Copy + Default + Send>(
     Extraction { vertices, triangles: triangles.concat() }
 }
 
-/// A dual edge, whatever else the grid holds: the Morton code of its owner's brick, times 2^12, and
-/// its place in that.
-pub type EdgeKey = u64;
-
-/// What a brick gives to a mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BrickMesh {
-    /// Its Morton code.
-    pub brick: u64,
-    /// In order of their edges.
-    pub vertices: Vec<(EdgeKey, Crossing)>,
-    /// In order of their cells.
-    pub triangles: Vec<[EdgeKey; 3]>,
+/// Some bricks of a grid, extracted by themselves.
+pub(super) struct Parts {
+    /// Of all bricks of the grid, the edges that are cut.
+    pub(super) cuts: Vec<Cuts>,
+    /// The number of the first vertex of each brick.
+    pub(super) firsts: Vec<u32>,
+    /// The vertices and triangles of runs of wanted bricks.
+    pub(super) runs: Vec<Run>,
 }
 
-/// Bits of a key for the place of an edge in its brick.
-const EDGE_BITS: u32 = 12;
-
-/// The Morton code of the brick of an edge.
-pub(super) fn brick_of(key: EdgeKey) -> u64 {
-    key >> EDGE_BITS
+/// What some bricks give to a mesh.
+pub(super) struct Run {
+    /// The numbers of the bricks, and how many triangles each has.
+    pub(super) bricks: Vec<(usize, usize)>,
+    /// All vertices of one brick after the other.
+    pub(super) vertices: Vec<Crossing>,
+    /// The same for triangles.
+    pub(super) triangles: Vec<[u32; 3]>,
 }
 
-/// The parts of a mesh that `wanted` bricks give, in Morton order, without those that give nothing.
-/// The bricks around them must be complete in the grid.
-#[must_use]
-pub fn extract_bricks(grid: &Grid, wanted: impl Fn([u32; 3]) -> bool + Sync) -> Vec<BrickMesh> {
-    let n = grid.bricks.len();
-    let halos: Vec<Halo<'_>> =
-        (0..n).into_par_iter().map(|number| Halo::new(grid, number)).collect();
-    let cuts = Cuts::of_all(grid, &halos);
-    let mut keys = Vec::new();
-    let mut firsts = Vec::with_capacity(n);
-    for (brick, cuts) in grid.bricks.iter().zip(&cuts) {
-        firsts.push(keys.len() as u32);
-        let of_brick = morton_encode(brick.place) << EDGE_BITS;
-        keys.extend(cuts.slots().map(|slot| of_brick | slot as u64));
-    }
-    let edges = Edges { grid, cuts, firsts };
-    let of_brick = |numbers: &mut Numbers, number: usize| {
-        let (halo, first) = (&halos[number], edges.firsts[number] as usize);
-        let vertices = keys[first..].iter().copied().zip(edges.crossings(halo, number)).collect();
-        let mut triangles = Vec::new();
-        edges.triangles(halo, numbers, &mut triangles);
-        let triangles = triangles.iter().map(|corners| corners.map(|v| keys[v as usize])).collect();
-        BrickMesh { brick: morton_encode(grid.bricks[number].place), vertices, triangles }
+/// What the `wanted` bricks of a grid, in order, give to a mesh; `known` has the cut edges of others,
+/// if any. All around a wanted brick must be there.
+pub(super) fn extract_parts<B: Voxels>(
+    grid: &Grid<B>,
+    wanted: &[usize],
+    known: impl Fn(usize) -> Option<Cuts>,
+) -> Parts {
+    let is_wanted = |number: usize| wanted.binary_search(&number).is_ok();
+    let of_brick = |number: usize| match is_wanted(number) {
+        true => Cuts::default(),
+        false => known(number).unwrap_or_default(),
     };
-    (0..n)
-        .into_par_iter()
-        .filter(|&number| wanted(grid.bricks[number].place))
-        .map_init(Numbers::default, of_brick)
-        .filter(|mesh| !mesh.vertices.is_empty() || !mesh.triangles.is_empty())
-        .collect()
-}
-
-/// Which dual edges of a brick's own are cut.
-struct Cuts {
-    /// Bit voxel + 512 direction.
-    bits: Box<[u64; WORDS]>,
-    /// Set bits before each word.
-    before: Box<[u16; WORDS]>,
-}
-
-impl Cuts {
-    /// Those of all bricks.
-    fn of_all(grid: &Grid, halos: &[Halo<'_>]) -> Vec<Self> {
-        let (mut cuts, far): (Vec<Self>, Vec<Vec<DualEdge>>) =
-            halos.par_iter().map(Self::of).unzip();
-        for edge in far.iter().flatten() {
-            if let Some(number) = grid.number_at(edge.owner.base.map(|i| i / SIDE)) {
-                cuts[number as usize].mark(edge);
-            }
-        }
-        cuts.par_iter_mut().for_each(Self::number);
-        cuts
-    }
-
-    /// Those of a brick, and edges whose owners are larger than bricks and begin in another.
-    fn of(halo: &Halo<'_>) -> (Self, Vec<DualEdge>) {
-        let mut cuts = Self { bits: Box::new([0; WORDS]), before: Box::new([0; WORDS]) };
-        let mut far = Vec::new();
-        let bits = &mut cuts.bits;
-        for axis in 0..3 {
-            for z in 1..WIDTH - 1 {
-                for y in 1..WIDTH - 1 {
-                    // Of equal voxels the lower one is the owner.
-                    let cut = halo.cut(axis, y, z) & !halo.stretched(axis, y, z);
-                    bits[8 * axis + z - 1] |= u64::from(cut >> 1 & 0xff) << (8 * (y - 1));
-                }
-            }
-        }
-        if halo.has_coarse {
-            for (axis, z, y) in (0..3 * (WIDTH - 1) * (WIDTH - 1))
-                .map(|i| (i % 3, i / 3 / (WIDTH - 1), i / 3 % (WIDTH - 1)))
-            {
-                let mut cut = halo.cut(axis, y, z) & halo.stretched(axis, y, z);
-                while cut != 0 {
-                    let x = cut.trailing_zeros() as usize;
-                    cut &= cut - 1;
-                    let edge = halo.edge([x, y, z], axis);
-                    if halo.owns(edge.owner.base) {
-                        cuts.mark(&edge);
-                    } else if 1 << edge.owner.level > SIDE && far.last() != Some(&edge) {
-                        far.push(edge);
-                    }
-                }
-            }
-        }
-        (cuts, far)
-    }
-
-    fn mark(&mut self, edge: &DualEdge) {
-        let slot = edge.slot();
-        self.bits[slot / 64] |= 1 << (slot % 64);
-    }
-
-    /// Counts bits once all edges are marked.
-    fn number(&mut self) {
-        let mut n = 0;
-        for (before, bits) in self.before.iter_mut().zip(&*self.bits) {
-            *before = n;
-            n += bits.count_ones() as u16;
-        }
-    }
-
-    /// The places of all that are cut.
-    fn slots(&self) -> impl Iterator<Item = usize> {
-        let mut word = 0;
-        let mut rest = self.bits[0];
-        iter::from_fn(move || {
-            while rest == 0 {
-                word += 1;
-                rest = *self.bits.get(word)?;
-            }
-            let slot = 64 * word + rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            Some(slot)
-        })
-    }
-
-    fn count(&self) -> u32 {
-        u32::from(self.before[WORDS - 1]) + self.bits[WORDS - 1].count_ones()
-    }
-
-    /// The number of an edge among those of the brick.
-    #[inline]
-    fn rank(&self, slot: usize) -> u32 {
-        let (word, bit) = (slot / 64, slot % 64);
-        debug_assert!(self.bits[word] >> bit & 1 == 1, "every cut edge was marked");
-        u32::from(self.before[word]) + (self.bits[word] & ((1 << bit) - 1)).count_ones()
-    }
-
-    /// Calls `tell` with each cut edge of a word and its number, in order; `of` has bits for those
-    /// that are wanted.
-    #[inline]
-    fn each(&self, word: usize, of: u64, mut tell: impl FnMut(usize, u32)) {
-        let mut rest = self.bits[word] & of;
-        while rest != 0 {
-            let bit = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            tell(bit, self.rank(64 * word + bit));
-        }
-    }
-}
-
-/// Cells of a brick along an edge, and the layer of voxels behind them.
-const CELLS: usize = SIDE as usize + 1;
-
-/// The vertices of edges between the finest voxels of a brick and the layers behind it, by axis and
-/// lower voxel, x fastest. Of edges that are not cut anything may stand there.
-struct Numbers(Box<[[u32; CELLS * CELLS * CELLS]; 3]>);
-
-impl Default for Numbers {
-    fn default() -> Self {
-        Self(Box::new([[0; CELLS * CELLS * CELLS]; 3]))
-    }
-}
-
-impl Numbers {
-    /// Looks up all that cells of a brick may ask for.
-    fn fill(&mut self, edges: &Edges<'_>, halo: &Halo<'_>) {
-        for k in 0..8 {
-            let step = [k & 1, k >> 1 & 1, k >> 2];
-            // From the brick itself on.
-            let number = halo.numbers[13 + step[0] + 3 * step[1] + 9 * step[2]];
-            let Some(cuts) = edges.cuts.get(number as usize) else { continue };
-            let first = edges.firsts[number as usize];
-            let of = if step[0] == 1 { 0x0101_0101_0101_0101 } else { u64::MAX };
-            let of = if step[1] == 1 { of & 0xff } else { of };
-            let slices = if step[2] == 1 { 1 } else { 8 };
-            let base = 8 * step[0] + CELLS * (8 * step[1] + CELLS * 8 * step[2]);
-            // Edges that leave the layers behind are no cell's.
-            for axis in (0..3).filter(|&axis| step[axis] == 0) {
-                let numbers = &mut self.0[axis];
-                for z in 0..slices {
-                    cuts.each(8 * axis + z, of, |bit, rank| {
-                        numbers[base + bit % 8 + CELLS * (bit / 8 + CELLS * z)] = first + rank;
-                    });
-                }
-            }
-        }
-    }
-
-    /// The vertex on an edge of the cell whose first voxel is at a place of the brick.
-    #[inline]
-    fn of(&self, cell: usize, edge: usize) -> u32 {
-        self.0[axis_of(edge)][cell + EDGE_STEPS[edge]]
-    }
-}
-
-/// From a cell to the lower ends of its edges.
-const EDGE_STEPS: [usize; N_EDGES] = {
-    let mut steps = [0; N_EDGES];
-    let mut edge = 0;
-    while edge < N_EDGES {
-        let low = lower_octant(edge);
-        steps[edge] = (low & 1) + CELLS * (low >> 1 & 1) + CELLS * CELLS * (low >> 2);
-        edge += 1;
-    }
-    steps
-};
-
-/// A dual edge.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct DualEdge {
-    /// The smaller voxel, or of equal ones the lower.
-    pub(super) owner: Leaf,
-    /// The way to the other one.
-    pub(super) direction: usize,
-}
-
-impl DualEdge {
-    /// Between two voxels that share a face, from the lower to the upper one along `axis`.
-    #[inline]
-    pub(super) fn between(lower: Leaf, upper: Leaf, axis: usize) -> Self {
-        if upper.level < lower.level {
-            Self { owner: upper, direction: axis + 3 }
-        } else {
-            Self { owner: lower, direction: axis }
-        }
-    }
-
-    /// Where it is marked in the brick of its owner.
-    #[inline]
-    fn slot(&self) -> usize {
-        VOXELS * self.direction + index_of(self.owner.base)
-    }
+    let mut cuts: Vec<Cuts> = (0..grid.bricks.len()).map(of_brick).collect();
+    Cuts::find(&mut cuts, grid, is_wanted);
+    let firsts = Cuts::firsts(&cuts);
+    let edges = Edges { grid, cuts, firsts };
+    let run = |wanted: &[usize]| {
+        let n: u32 = wanted.iter().map(|&number| edges.cuts[number].count()).sum();
+        let mut vertices = Vec::with_capacity(n as usize);
+        let mut triangles = Vec::with_capacity(5 * n as usize / 2);
+        let mut numbers = Numbers::default();
+        let of_brick = |&number: &usize| {
+            let before = triangles.len();
+            let halo = Halo::new(grid, number);
+            let cells = halo.cells();
+            edges.each_crossing(&halo, &cells, |crossing| vertices.push(*crossing));
+            edges.triangles(&halo, &cells, &mut numbers, &mut triangles);
+            (number, triangles.len() - before)
+        };
+        let bricks = wanted.iter().map(of_brick).collect();
+        Run { bricks, vertices, triangles }
+    };
+    let runs = wanted.par_chunks(RUN).map(run).collect();
+    let Edges { cuts, firsts, .. } = edges;
+    Parts { cuts, firsts, runs }
 }
 
 /// All cut dual edges, with numbers.
-struct Edges<'a> {
-    grid: &'a Grid,
+pub(super) struct Edges<'a, B> {
+    grid: &'a Grid<B>,
     /// By brick.
-    cuts: Vec<Cuts>,
+    pub(super) cuts: Vec<Cuts>,
     /// The number of the first vertex of each brick.
-    firsts: Vec<u32>,
+    pub(super) firsts: Vec<u32>,
 }
 
-impl Edges<'_> {
-    /// The vertices of a brick, in order.
-    fn crossings(&self, halo: &Halo<'_>, number: usize) -> impl Iterator<Item = Crossing> {
-        let slots = self.cuts[number].slots();
-        slots.map(|slot| self.crossing(halo, slot % VOXELS, slot / VOXELS))
+impl<B: Voxels> Edges<'_, B> {
+    /// Calls `tell` with the vertex on every cut edge of a brick's own, in order.
+    #[inline]
+    fn each_crossing(&self, halo: &Halo<'_, B>, cells: &CellBits, mut tell: impl FnMut(&Crossing)) {
+        let cuts = &self.cuts[halo.number()];
+        self.each_upwards::<0>(halo, cells, cuts, &mut tell);
+        self.each_upwards::<1>(halo, cells, cuts, &mut tell);
+        self.each_upwards::<2>(halo, cells, cuts, &mut tell);
+        for word in WORDS / 2..WORDS {
+            cuts.each(word, u64::MAX, |bit, _| {
+                let slot = 64 * word + bit;
+                tell(&self.crossing(halo, slot % VOXELS, slot / VOXELS));
+            });
+        }
+    }
+
+    /// Those that leave voxels along an axis.
+    #[inline]
+    fn each_upwards<const AXIS: usize>(
+        &self,
+        halo: &Halo<'_, B>,
+        cells: &CellBits,
+        cuts: &Cuts,
+        tell: &mut impl FnMut(&Crossing),
+    ) {
+        let first = halo.origin.map(|i| i.wrapping_add(1).wrapping_sub(SIDE) as f32 + 0.5);
+        for z in 0..SIDE as usize {
+            // Edges between two of the finest voxels, which are most.
+            let coarse = cells.coarse.at(0, z) | cells.coarse.after(0, z, AXIS);
+            let plain = if halo.is_bordering { 0 } else { !coarse };
+            let word = 8 * AXIS + z;
+            cuts.each(word, u64::MAX, |bit, _| {
+                let index = 64 * z + bit;
+                if plain >> bit & 1 == 0 {
+                    return tell(&self.crossing(halo, index, AXIS));
+                }
+                let offsets = halo.offsets_along::<AXIS>(index);
+                let steps = [bit % 8, bit / 8, z];
+                let lower = [0, 1, 2].map(|axis| first[axis] + steps[axis] as f32);
+                let mut upper = lower;
+                upper[AXIS] += 1.0;
+                let (ends, part) = ([lower, upper], zone(offsets));
+                tell(&Crossing { ends, offsets, part, is_cap: false });
+            });
+        }
     }
 
     /// The vertex on the edge that leaves the voxel number `index` of a brick in a direction.
     #[inline]
-    fn crossing(&self, halo: &Halo<'_>, index: usize, direction: usize) -> Crossing {
+    fn crossing(&self, halo: &Halo<'_, B>, index: usize, direction: usize) -> Crossing {
         let at = [1 + index % 8, 1 + index / 8 % 8, 1 + index / 64];
         let (axis, is_up) = (direction % 3, direction < 3);
-        if let Some((lower, offsets)) = halo.plain_edge(at, direction) {
-            let mut upper = lower;
-            upper[axis] += 1.0;
-            let part = zone(offsets);
-            return Crossing { ends: [lower, upper], offsets, part, is_cap: false };
+        let own = halo.voxel(at);
+        let other = halo.beside(at, &own.0, axis, is_up);
+        let ((lower, f), (upper, g)) = if is_up { (own, other) } else { (other, own) };
+        if !halo.is_bordering {
+            let half = |leaf: &Leaf| 0.5 * (1_u32 << leaf.level) as f32;
+            let middle = |leaf: &Leaf| {
+                let along = |axis: usize| (leaf.base[axis] - SIDE) as f32 + half(leaf);
+                [along(0), along(1), along(2)]
+            };
+            let halves = [&lower, &upper].map(|leaf| half(leaf).into());
+            let ends = [middle(&lower), middle(&upper)];
+            return Crossing { ends, offsets: [f, g], part: part(halves, [f, g]), is_cap: false };
         }
-        let owner = halo.leaf(at);
-        let mut beside = owner.base;
-        beside[axis] = match is_up {
-            true => beside[axis] + (1 << self.grid.thickness(&owner, axis)),
-            false => beside[axis] - 1,
-        };
-        let own_offset = halo.offset(index);
-        let (other, other_offset) = halo.voxel_at(beside);
-        let ((lower, f), (upper, g)) = match is_up {
-            true => ((owner, own_offset), (other, other_offset)),
-            false => ((other, other_offset), (owner, own_offset)),
-        };
         let grid = self.grid;
         let ends = [grid.middle(&lower), grid.middle(&upper)];
         let is_cap =
@@ -417,94 +253,113 @@ impl Edges<'_> {
             // The cap lies on the border.
             if grid.is_phantom(&upper) { 1.0 } else { 0.0 }
         } else {
-            // From the face that both share to the middles, and to the borders of the zone: half a
-            // finest voxel on either side, or nothing where there is only a border.
-            let [to_lower, to_upper] = [&lower, &upper].map(|leaf| grid.half_depth(leaf, axis));
-            let [before, behind] = [to_lower, to_upper].map(|depth| depth.min(0.5));
-            (to_lower - before + zone([f, g]) * (before + behind)) / (to_lower + to_upper)
+            part([&lower, &upper].map(|leaf| grid.half_depth(leaf, axis)), [f, g])
         };
         Crossing { ends, offsets: [f, g], part, is_cap }
     }
 
     /// The triangles of the cells whose first voxel is in a brick.
-    fn triangles(&self, halo: &Halo<'_>, numbers: &mut Numbers, triangles: &mut Vec<[u32; 3]>) {
-        numbers.fill(self, halo);
-        let cases = &*CASES;
-        for z in 1..WIDTH - 1 {
-            for y in 1..WIDTH - 1 {
-                let mixed = halo.mixed(y, z) & 0x1fe;
-                if mixed == 0 {
-                    continue;
-                }
-                let stretched = if halo.has_coarse { halo.stretched_cells(y, z) } else { 0 };
-                let rows = halo.rows(y, z).map(usize::from);
-                let first = CELLS * (y - 1 + CELLS * (z - 1));
-                let mut rest = mixed;
-                while rest != 0 {
-                    let x = rest.trailing_zeros() as usize;
-                    rest &= rest - 1;
-                    let [a, b, c, d] = rows.map(|row| row >> x & 3);
-                    let case = &cases[a | b << 2 | c << 4 | d << 6];
-                    let number = |edge: u8| numbers.of(first + x - 1, edge.into());
-                    if stretched >> x & 1 == 1 {
-                        self.stretched_cell(halo, [x, y, z], case, number, triangles);
-                        continue;
-                    }
-                    let corners = |edges: &[u8; 3]| edges.map(number);
-                    triangles.extend(case.triangles.iter().map(corners));
-                }
-            }
-        }
-    }
-
-    /// A cell between voxels of which some are larger; `number` tells the vertices on edges between
-    /// others.
-    fn stretched_cell(
+    #[inline]
+    fn triangles(
         &self,
-        halo: &Halo<'_>,
-        at: [usize; 3],
-        case: &Case,
-        number: impl Fn(u8) -> u32,
+        halo: &Halo<'_, B>,
+        cells: &CellBits,
+        numbers: &mut Numbers,
         triangles: &mut Vec<[u32; 3]>,
     ) {
-        let coarse = halo.coarse_octants(at);
-        let leaf = |octant: usize| halo.leaf(octant_at(at, octant));
-        // The finest voxels have corners everywhere.
-        if coarse == u8::MAX && !halo.is_corner(at, &std::array::from_fn(leaf)) {
-            return;
-        }
-        for edges in &case.loops {
-            // Of a loop, vertices and the faces that they lie on.
-            let (mut vertices, mut faces) = ([0; N_EDGES], [0; N_EDGES]);
-            let mut n = 0;
-            for &edge in edges {
-                let (low, axis) = (lower_octant(edge.into()), axis_of(edge.into()));
-                let high = low | 1 << axis;
-                let vertex = if coarse & (1 << low | 1 << high) == 0 {
-                    number(edge)
-                } else {
-                    self.number(halo, &DualEdge::between(leaf(low), leaf(high), axis))
-                };
-                // Cells that are collapsed have the same edge several times.
-                if n == 0 || vertices[n - 1] != vertex {
-                    (vertices[n], faces[n]) = (vertex, 0);
-                    n += 1;
+        numbers.fill(self, halo, cells);
+        let plain = &*PLAIN;
+        for z in 0..SIDE as usize {
+            let mut rest = cells.mixed(z);
+            if rest == 0 {
+                continue;
+            }
+            let collapsed = if halo.has_coarse { cells.at_large(z) } else { 0 };
+            while rest != 0 {
+                let bit = rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                let (case, at) = (cells.case(z, bit), [1 + bit % 8, 1 + bit / 8, 1 + z]);
+                if collapsed >> bit & 1 == 1 {
+                    collapsed_cell(halo, at, &CASES[case], numbers, triangles);
+                    continue;
                 }
-                faces[n - 1] |= faces_of(edge.into());
+                let Plain { n, corners } = &plain[case];
+                let cell = cell_at(at);
+                for &[a, b, c] in &corners[..*n] {
+                    let corner = |steps| numbers.of(cell, steps);
+                    triangles.push([corner(a), corner(b), corner(c)]);
+                }
             }
-            if n > 1 && vertices[0] == vertices[n - 1] {
-                n -= 1;
-                faces[0] |= faces[n];
-            }
-            triangles.extend(fan(&faces[..n]).map(|triangle| triangle.map(|i| vertices[i])));
         }
     }
 
     /// The number of the vertex on a cut edge.
-    fn number(&self, halo: &Halo<'_>, edge: &DualEdge) -> u32 {
+    pub(super) fn number(&self, halo: &Halo<'_, B>, edge: &DualEdge) -> u32 {
         let brick = halo.number_of(edge.owner.base);
         self.firsts[brick] + self.cuts[brick].rank(edge.slot())
     }
+}
+
+/// The triangles of a cell with vertices on edges between voxels that are larger than the finest, of
+/// which some may be one.
+fn collapsed_cell<B: Voxels>(
+    halo: &Halo<'_, B>,
+    at: [usize; 3],
+    case: &Case,
+    numbers: &Numbers,
+    triangles: &mut Vec<[u32; 3]>,
+) {
+    if !halo.is_corner(at) {
+        return;
+    }
+    let cell = cell_at(at);
+    for edges in &case.loops {
+        // Of a loop, vertices and the faces that they lie on.
+        let (mut vertices, mut faces) = ([0; N_EDGES], [0; N_EDGES]);
+        let mut n = 0;
+        for &edge in edges {
+            let vertex = numbers.of(cell, STEPS_TO[usize::from(edge)]);
+            // Cells that are collapsed have the same edge several times.
+            if n == 0 || vertices[n - 1] != vertex {
+                (vertices[n], faces[n]) = (vertex, 0);
+                n += 1;
+            }
+            faces[n - 1] |= faces_of(edge.into());
+        }
+        if n > 1 && vertices[0] == vertices[n - 1] {
+            n -= 1;
+            faces[0] |= faces[n];
+        }
+        triangles.extend(fan(&faces[..n]).map(|triangle| triangle.map(|i| vertices[i])));
+    }
+}
+
+/// The triangles of a cell that is not collapsed: where the numbers of their vertices stand after the
+/// cell's place.
+#[derive(Clone, Copy, Default)]
+struct Plain {
+    n: usize,
+    corners: [[u16; 3]; 5],
+}
+
+/// By the octants that lie inside, as bits.
+static PLAIN: LazyLock<Vec<Plain>> = LazyLock::new(|| {
+    let plain = |case: &Case| {
+        let mut plain = Plain { n: case.triangles.len(), ..Plain::default() };
+        for (corners, edges) in plain.corners.iter_mut().zip(&case.triangles) {
+            *corners = edges.map(|edge| STEPS_TO[usize::from(edge)]);
+        }
+        plain
+    };
+    CASES.iter().map(plain).collect()
+});
+
+/// Where between the middles of two voxels a vertex is, given how far they are from the face that both
+/// share: at most half a finest voxel from that, on either side.
+#[inline]
+fn part([to_lower, to_upper]: [f64; 2], offsets: [f32; 2]) -> f64 {
+    let [before, behind] = [to_lower, to_upper].map(|depth| depth.min(0.5));
+    (to_lower - before + zone(offsets) * (before + behind)) / (to_lower + to_upper)
 }
 
 /// Where between two values, as they are above the isovalue, the isovalue is.
@@ -514,10 +369,4 @@ pub(super) fn zone([f, g]: [f32; 2]) -> f64 {
     // Without a number at one end, the middle.
     let zone = if zone.is_finite() { zone } else { 0.5 };
     zone.clamp(LEAST_PART, 1.0 - LEAST_PART)
-}
-
-/// An octant of the cell whose first voxel is at `at`.
-#[inline]
-fn octant_at([x, y, z]: [usize; 3], octant: usize) -> [usize; 3] {
-    [x + (octant & 1), y + (octant >> 1 & 1), z + (octant >> 2)]
 }

@@ -8,6 +8,8 @@
 //! *Based on:* A. León Salas, 2008, sections 2.3 and 2.4 (dual grids of voxels of different size,
 //! wrapping cells).
 
+use std::array;
+
 use rayon::prelude::*;
 
 use crate::math::morton_encode;
@@ -52,39 +54,73 @@ pub(super) fn is_inside(offset: f32) -> bool {
     offset >= 0.0 && offset.is_sign_positive()
 }
 
-/// Values and sizes in one brick, x fastest.
-#[derive(Clone, Debug)]
-pub struct Brick {
-    /// Counted in bricks.
-    pub place: [u32; 3],
-    /// Values in the middles of voxels, as [`offset`]: one for each of the finest, or one for all.
-    offsets: Box<[f32]>,
-    /// Levels of the voxels: one for each of the finest, or one for all.
-    levels: Box<[u8]>,
-    /// Bit x + 8 y of slice z: its value is the isovalue or above.
-    pub(super) inside: [u64; SIDE as usize],
-    /// The same: it is larger than the finest.
-    pub(super) coarse: [u64; SIDE as usize],
+/// Values and sizes of the voxels of a brick, which are asked for where the surface is.
+pub trait Voxels: Send + Sync {
+    /// How far the value at a voxel, x fastest, is above the isovalue, as [`offset`].
+    fn offset(&self, index: usize) -> f32;
+
+    /// The voxel's edge is `2^level` of the finest.
+    fn level(&self, index: usize) -> u8;
 }
 
-impl Brick {
-    /// A brick with these values, as [`offset`], and levels.
-    #[must_use]
-    pub fn new(place: [u32; 3], offsets: &[f32], levels: &[u8]) -> Self {
-        let inside = bits(offsets, |&offset| is_inside(offset));
-        let coarse = bits(levels, |&level| level > 0);
-        Self { place, offsets: offsets.into(), levels: levels.into(), inside, coarse }
-    }
+/// Values and sizes that are held: one for each of the finest voxels, or one for all.
+#[derive(Clone, Debug)]
+pub struct Stored {
+    offsets: Box<[f32]>,
+    levels: Box<[u8]>,
+}
 
-    /// How far the value at a voxel of the brick is above the isovalue.
+impl Voxels for Stored {
     #[inline]
-    pub(super) fn offset(&self, index: usize) -> f32 {
+    fn offset(&self, index: usize) -> f32 {
         self.offsets[if self.offsets.len() == 1 { 0 } else { index }]
     }
 
     #[inline]
     fn level(&self, index: usize) -> u8 {
         self.levels[if self.levels.len() == 1 { 0 } else { index }]
+    }
+}
+
+/// Bit x + 8 y of slice z: something that is true of a voxel.
+pub(crate) type Slices = [u64; SIDE as usize];
+
+/// One brick.
+#[derive(Clone, Debug)]
+pub struct Brick<B = Stored> {
+    /// Counted in bricks.
+    pub place: [u32; 3],
+    pub(super) voxels: B,
+    /// Its value is the isovalue or above.
+    pub(super) inside: Slices,
+    /// It is larger than the finest.
+    pub(super) coarse: Slices,
+    /// Whether any is.
+    pub(super) has_coarse: bool,
+}
+
+impl Brick {
+    /// A brick with these values, as [`offset`], and levels: one for each of the finest voxels, or one
+    /// for all.
+    #[must_use]
+    pub fn new(place: [u32; 3], offsets: &[f32], levels: &[u8]) -> Self {
+        let inside = slices(offsets, |&offset| is_inside(offset));
+        let coarse = slices(levels, |&level| level > 0);
+        let voxels = Stored { offsets: offsets.into(), levels: levels.into() };
+        Self::of(place, voxels, inside, coarse)
+    }
+}
+
+impl<B: Voxels> Brick<B> {
+    /// A brick of which is known already which voxels are inside, and which are larger than the finest.
+    pub(crate) fn of(place: [u32; 3], voxels: B, inside: Slices, coarse: Slices) -> Self {
+        Self { place, voxels, inside, coarse, has_coarse: coarse != [0; SIDE as usize] }
+    }
+
+    /// Whether a voxel is as large as a brick, or larger.
+    fn has_large(&self) -> bool {
+        // Then it is the only one.
+        self.has_coarse && 1 << self.voxels.level(0) >= SIDE
     }
 
     /// Whether a voxel beside another brick is inside, or outside; this one is the one number
@@ -100,24 +136,34 @@ impl Brick {
     }
 }
 
-/// Bit x + 8 y of slice z: what is true of a voxel.
+/// What is true of voxels, of which there is one for each or one for all.
 #[inline]
-fn bits<T>(all: &[T], is: impl Fn(&T) -> bool) -> [u64; SIDE as usize] {
-    let mut bits = [0; SIDE as usize];
-    match all {
-        [one] => bits = [if is(one) { u64::MAX } else { 0 }; SIDE as usize],
-        many => {
-            for (slice, of_slice) in bits.iter_mut().zip(many.chunks_exact(64)) {
-                *slice = (0..64).fold(0, |bits, i| bits | u64::from(is(&of_slice[i])) << i);
-            }
-        }
+pub(crate) fn slices<T>(all: &[T], is: impl Fn(&T) -> bool) -> Slices {
+    let mut slices = [0; SIDE as usize];
+    if let [one] = all {
+        return [if is(one) { u64::MAX } else { 0 }; SIDE as usize];
+    }
+    for (slice, all) in slices.iter_mut().zip(all.as_chunks::<64>().0) {
+        *slice = byte_bits(&array::from_fn(|i| u8::from(is(&all[i]))));
+    }
+    slices
+}
+
+/// A bit for each of the bytes, which are 0 or 1.
+#[inline]
+pub(crate) fn byte_bits(bytes: &[u8; 64]) -> u64 {
+    let mut bits = 0;
+    for (y, row) in bytes.as_chunks::<8>().0.iter().enumerate() {
+        // Byte x goes to bit 56 + x, and no two sums meet below.
+        let row = u64::from_le_bytes(*row).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+        bits |= row << (8 * y);
     }
     bits
 }
 
 /// The number of a voxel in its brick.
 #[inline]
-pub(super) fn index_of([x, y, z]: [u32; 3]) -> usize {
+pub(crate) fn index_of([x, y, z]: [u32; 3]) -> usize {
     let [x, y, z] = [x, y, z].map(|i| (i % SIDE) as usize);
     x + SIDE as usize * (y + SIDE as usize * z)
 }
@@ -127,9 +173,9 @@ pub(super) const NO_BRICK: u32 = u32::MAX;
 
 /// Bricks near a surface.
 #[derive(Debug)]
-pub struct Grid {
+pub struct Grid<B = Stored> {
     /// In Morton order.
-    pub(super) bricks: Vec<Brick>,
+    pub(super) bricks: Vec<Brick<B>>,
     /// Of each, the numbers of the 27 around, x + 3y + 9z, or [`NO_BRICK`].
     pub(super) around: Vec<[u32; 27]>,
     /// The finest voxels along each axis.
@@ -137,12 +183,12 @@ pub struct Grid {
     pub(super) border: Border,
 }
 
-impl Grid {
+impl<B: Voxels> Grid<B> {
     /// A grid of `size` of the finest voxels, counted without phantoms. `bricks` hold every voxel that
     /// has a corner where the surface may cut a cell, and the first voxel of every larger one.
     #[must_use]
-    pub fn new(mut bricks: Vec<Brick>, size: [u32; 3], border: Border) -> Self {
-        bricks.par_sort_unstable_by_key(|brick| morton_encode(brick.place));
+    pub fn new(mut bricks: Vec<Brick<B>>, size: [u32; 3], border: Border) -> Self {
+        bricks.par_sort_by_cached_key(|brick| morton_encode(brick.place));
         bricks.dedup_by_key(|brick| brick.place);
         let around = around(&bricks);
         Self { bricks, around, size, border }
@@ -153,6 +199,18 @@ impl Grid {
         let key = morton_encode(place);
         let found = self.bricks.binary_search_by_key(&key, |brick| morton_encode(brick.place));
         found.ok().map(|number| number as u32)
+    }
+
+    /// Whether a brick, or one around it, has a voxel as large as a brick.
+    pub(super) fn is_beside_large(&self, number: usize) -> bool {
+        let around = &self.around[number];
+        around.iter().filter_map(|&beside| self.bricks.get(beside as usize)).any(Brick::has_large)
+    }
+
+    /// Whether nowhere a voxel is as large as a brick.
+    #[must_use]
+    pub fn is_of_small_voxels(&self) -> bool {
+        !self.bricks.iter().any(Brick::has_large)
     }
 
     /// Whether a coordinate is that of a voxel or a phantom.
@@ -169,13 +227,13 @@ impl Grid {
 
     /// The voxel, or phantom, that holds the finest voxel at `p` of a brick.
     #[inline]
-    pub(super) fn leaf(&self, brick: &Brick, p: [u32; 3]) -> Leaf {
-        let level = brick.level(index_of(p));
-        let base = [0, 1, 2].map(|axis| match self.is_voxel(axis, p[axis]) {
+    pub(super) fn leaf(&self, brick: &Brick<B>, p: [u32; 3]) -> Leaf {
+        let level = brick.voxels.level(index_of(p));
+        let base = |axis: usize| match self.is_voxel(axis, p[axis]) {
             true => ((p[axis] - SIDE) >> level << level) + SIDE,
             false => p[axis],
-        });
-        Leaf { base, level }
+        };
+        Leaf { base: [base(0), base(1), base(2)], level }
     }
 
     /// The middle of a voxel in the finest voxels from the grid's first corner; a phantom's lies on
@@ -225,7 +283,7 @@ impl Grid {
 }
 
 /// The numbers of the bricks around each, x + 3y + 9z.
-fn around(bricks: &[Brick]) -> Vec<[u32; 27]> {
+fn around<B: Sync>(bricks: &[Brick<B>]) -> Vec<[u32; 27]> {
     // Bricks one after the other along x, y and z: those beside them in a direction follow each other
     // in the same order.
     let row = |[y, z]: [i64; 2]| (y + (z << 21)) << 21;

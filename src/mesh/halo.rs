@@ -1,191 +1,178 @@
-//! A brick with one layer of voxels of its neighbours around it.
+//! A brick with the voxels of its neighbours around it, as bits: 64 voxels are looked at together.
 //!
 //! Places in it are counted from the layer before the brick: 0 to 9 along each axis.
 
+use std::array;
+
 use super::{
-    extract::DualEdge,
-    grid::{Brick, Grid, Leaf, NO_BRICK, SIDE, index_of},
+    cells::{CellBits, FIRST_X, Words},
+    cuts::DualEdge,
+    grid::{Brick, Grid, Leaf, NO_BRICK, SIDE, Slices, Voxels, index_of},
 };
 
 /// Voxels along an edge, with both layers.
-pub(super) const WIDTH: usize = SIDE as usize + 2;
+const WIDTH: usize = SIDE as usize + 2;
 
 /// The brick itself among the 27.
 const MIDDLE: usize = 13;
+/// From brick to brick among the 27.
+const STEPS: [usize; 3] = [1, 3, 9];
 
-/// See the file's text. Bit x of row y and slice z belongs to the voxel there.
-pub(super) struct Halo<'a> {
-    grid: &'a Grid,
+/// See the file's text.
+pub(super) struct Halo<'a, B> {
+    grid: &'a Grid<B>,
     /// The place of the first voxel; 2³² − 1 where that is before all bricks.
-    origin: [u32; 3],
+    pub(super) origin: [u32; 3],
     /// The numbers of the bricks around, x + 3y + 9z.
     pub(super) numbers: &'a [u32; 27],
-    /// There is a voxel or a phantom.
-    known: Rows,
-    inside: Rows,
-    /// Larger than the finest.
-    coarse: Rows,
-    /// Whether any is.
+    /// Whether any voxel is larger than the finest.
     pub(super) has_coarse: bool,
     /// Whether phantoms may be among them.
-    is_bordering: bool,
+    pub(super) is_bordering: bool,
 }
 
-type Rows = [[u16; WIDTH]; WIDTH];
-
-impl<'a> Halo<'a> {
+impl<'a, B: Voxels> Halo<'a, B> {
     /// Around the brick with this number.
-    pub(super) fn new(grid: &'a Grid, number: usize) -> Self {
+    #[inline]
+    pub(super) fn new(grid: &'a Grid<B>, number: usize) -> Self {
         let place = grid.bricks[number].place;
         let numbers = &grid.around[number];
-        let bricks: [Option<&Brick>; 27] = numbers.map(|number| grid.bricks.get(number as usize));
+        let bricks = || numbers.iter().filter_map(|&number| grid.bricks.get(number as usize));
+        let has_coarse = bricks().any(|brick| brick.has_coarse);
         let origin = place.map(|i| (i * SIDE).wrapping_sub(1));
-        let has_coarse = bricks.iter().flatten().any(|brick| brick.coarse != [0; 8]);
-        let known = rows(&bricks, |_, _| u64::MAX);
-        let inside = rows(&bricks, |brick, z| brick.inside[z]);
-        let coarse = match has_coarse {
-            true => rows(&bricks, |brick, z| brick.coarse[z]),
-            false => Rows::default(),
-        };
         let is_bordering = (0..3).any(|axis| {
             let last = origin[axis].wrapping_add(WIDTH as u32 - 1);
             !grid.is_voxel(axis, origin[axis]) || !grid.is_voxel(axis, last)
         });
-        let mut halo =
-            Self { grid, origin, numbers, known, inside, coarse, has_coarse, is_bordering };
-        if is_bordering {
-            halo.forget_beyond();
-        }
-        halo
+        Self { grid, origin, numbers, has_coarse, is_bordering }
     }
 
-    /// Takes away what is beyond the phantoms.
-    fn forget_beyond(&mut self) {
-        let held =
-            |axis: usize, i: usize| self.grid.holds(axis, self.origin[axis].wrapping_add(i as u32));
-        let columns: u16 = (0..WIDTH).fold(0, |bits, x| bits | u16::from(held(0, x)) << x);
-        let rows = [1, 2].map(|axis| std::array::from_fn::<bool, WIDTH, _>(|i| held(axis, i)));
-        for (z, slice) in self.known.iter_mut().enumerate() {
-            for (y, row) in slice.iter_mut().enumerate() {
-                *row &= if rows[0][y] && rows[1][z] { columns } else { 0 };
-            }
-        }
-    }
-
-    /// Bit x: the edge from the voxel at (x, y, z) along `axis` is cut.
+    /// What cells are made of.
     #[inline]
-    pub(super) fn cut(&self, axis: usize, y: usize, z: usize) -> u16 {
-        let (inside, known) = (&self.inside, &self.known);
-        let row = (inside[z][y], known[z][y]);
-        let next = match axis {
-            0 => (row.0 >> 1, row.1 >> 1),
-            1 => (inside[z][y + 1], known[z][y + 1]),
-            _ => (inside[z + 1][y], known[z + 1][y]),
+    pub(super) fn cells(&self) -> CellBits {
+        CellBits {
+            inside: Words::new(|step| self.inside(MIDDLE + step)),
+            known: Words::new(|step| self.known(MIDDLE + step)),
+            coarse: match self.has_coarse {
+                true => Words::new(|step| self.coarse(MIDDLE + step)),
+                false => Words::default(),
+            },
+        }
+    }
+
+    /// Which edges from the voxels before those of a brick along `axis` are cut, if they begin at larger
+    /// voxels, by slices.
+    #[inline]
+    pub(super) fn cut_from_large(&self, axis: usize) -> Slices {
+        let before = MIDDLE - STEPS[axis];
+        let [own, other] = [MIDDLE, before].map(|k| (self.inside(k), self.known(k)));
+        let (coarse, other_coarse) = (self.coarse(MIDDLE), self.coarse(before));
+        let inside = shifted(&own.0, &other.0, axis);
+        let known = shifted(&own.1, &other.1, axis);
+        let coarse = shifted(&coarse, &other_coarse, axis);
+        let cut = |z: usize| (own.0[z] ^ inside[z]) & own.1[z] & known[z] & coarse[z];
+        array::from_fn(cut)
+    }
+
+    /// Which voxels of the brick are larger than the finest.
+    #[inline]
+    pub(super) fn own_coarse(&self) -> Slices {
+        self.coarse(MIDDLE)
+    }
+
+    #[inline]
+    fn brick(&self, k: usize) -> Option<&'a Brick<B>> {
+        self.grid.bricks.get(self.numbers[k] as usize)
+    }
+
+    #[inline]
+    fn inside(&self, k: usize) -> Slices {
+        self.brick(k).map_or_else(Slices::default, |brick| brick.inside)
+    }
+
+    #[inline]
+    fn coarse(&self, k: usize) -> Slices {
+        self.brick(k).map_or_else(Slices::default, |brick| brick.coarse)
+    }
+
+    /// Where a brick has voxels and phantoms.
+    #[inline]
+    fn known(&self, k: usize) -> Slices {
+        if self.numbers[k] == NO_BRICK {
+            return Slices::default();
+        }
+        if !self.is_bordering {
+            return [u64::MAX; SIDE as usize];
+        }
+        let bits = |axis: usize| {
+            let step = (k / STEPS[axis] % 3) as u32 * SIDE;
+            let first = self.origin[axis].wrapping_add(1).wrapping_add(step).wrapping_sub(SIDE);
+            let held = |i: u32| self.grid.holds(axis, first.wrapping_add(i));
+            (0..SIDE).fold(0, |bits, i| bits | u64::from(held(i)) << i)
         };
-        (row.0 ^ next.0) & row.1 & next.1
-    }
-
-    /// Bit x: the voxel at (x, y, z) or the next one along `axis` is larger than the finest.
-    #[inline]
-    pub(super) fn stretched(&self, axis: usize, y: usize, z: usize) -> u16 {
-        let coarse = &self.coarse;
-        let next = match axis {
-            0 => coarse[z][y] >> 1,
-            1 => coarse[z][y + 1],
-            _ => coarse[z + 1][y],
-        };
-        coarse[z][y] | next
-    }
-
-    /// Bit x: of the eight voxels from (x, y, z) on some are larger than the finest.
-    #[inline]
-    pub(super) fn stretched_cells(&self, y: usize, z: usize) -> u16 {
-        let rows = self.stretched(1, y, z) | self.stretched(1, y, z + 1);
-        rows | rows >> 1
-    }
-
-    /// Bit x + 2y + 4z: that one of the eight voxels from a place on is larger than the finest.
-    #[inline]
-    pub(super) fn coarse_octants(&self, [x, y, z]: [usize; 3]) -> u8 {
-        let row = |y: usize, z: usize| (self.coarse[z][y] >> x & 3) as u8;
-        row(y, z) | row(y + 1, z) << 2 | row(y, z + 1) << 4 | row(y + 1, z + 1) << 6
-    }
-
-    /// The rows of the inside of the four edges along x of a cell.
-    #[inline]
-    pub(super) fn rows(&self, y: usize, z: usize) -> [u16; 4] {
-        let inside = &self.inside;
-        [inside[z][y], inside[z][y + 1], inside[z + 1][y], inside[z + 1][y + 1]]
-    }
-
-    /// Bit x: of the eight voxels from (x, y, z) on some are inside and some are not.
-    #[inline]
-    pub(super) fn mixed(&self, y: usize, z: usize) -> u16 {
-        let rows = [(y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1)];
-        let (mut any, mut all, mut known) = (0, u16::MAX, u16::MAX);
-        for (y, z) in rows {
-            any |= self.inside[z][y];
-            all &= self.inside[z][y];
-            known &= self.known[z][y];
-        }
-        (any | any >> 1) & !(all & all >> 1) & known & known >> 1
+        let (xs, ys, zs) = (bits(0), bits(1), bits(2));
+        let slice = (0..8).fold(0, |slice, y| slice | (xs * (ys >> y & 1)) << (8 * y));
+        array::from_fn(|z| slice * (zs >> z & 1))
     }
 
     /// The voxel that holds a place.
     #[inline]
-    pub(super) fn leaf(&self, [x, y, z]: [usize; 3]) -> Leaf {
-        let p = [x, y, z].map(|i| i as u32);
-        let p = [0, 1, 2].map(|axis| self.origin[axis].wrapping_add(p[axis]));
-        if !self.is_coarse([x, y, z]) {
-            return Leaf { base: p, level: 0 };
-        }
-        let number = self.numbers[part(x) + 3 * part(y) + 9 * part(z)] as usize;
-        self.grid.leaf(&self.grid.bricks[number], p)
+    pub(super) fn leaf(&self, at: [usize; 3]) -> Leaf {
+        self.leaf_in(&self.grid.bricks[self.number_at(at)], at)
     }
 
-    /// The middle of the lower one of two of the finest voxels inside the border, and how far their
-    /// values are above the isovalue, if the edge from a voxel of the brick in a direction is such.
+    /// The voxel that holds a place, and how far its value is above the isovalue.
     #[inline]
-    pub(super) fn plain_edge(
+    pub(super) fn voxel(&self, at: [usize; 3]) -> (Leaf, f32) {
+        let brick = &self.grid.bricks[self.number_at(at)];
+        (self.leaf_in(brick, at), brick.voxels.offset(index_at(at)))
+    }
+
+    #[inline]
+    fn leaf_in(&self, brick: &Brick<B>, at: [usize; 3]) -> Leaf {
+        let p = |axis: usize| self.origin[axis].wrapping_add(at[axis] as u32);
+        let (p, index) = ([p(0), p(1), p(2)], index_at(at));
+        match brick.coarse[index / 64] >> (index % 64) & 1 == 1 {
+            true => self.grid.leaf(brick, p),
+            false => Leaf { base: p, level: 0 },
+        }
+    }
+
+    /// The same of the voxel after, or before, the one that begins at a place of the brick.
+    #[inline]
+    pub(super) fn beside(
         &self,
         at: [usize; 3],
-        direction: usize,
-    ) -> Option<([f32; 3], [f32; 2])> {
-        let axis = direction;
-        if self.is_bordering || axis > 2 {
-            return None;
-        }
+        leaf: &Leaf,
+        axis: usize,
+        is_up: bool,
+    ) -> (Leaf, f32) {
+        let thickness = 1_u32 << self.grid.thickness(leaf, axis);
         let mut next = at;
-        next[axis] += 1;
-        if self.has_coarse && (self.is_coarse(at) || self.is_coarse(next)) {
-            return None;
+        next[axis] = if is_up { at[axis] + thickness as usize } else { at[axis] - 1 };
+        if next[axis] < WIDTH {
+            return self.voxel(next);
         }
-        let middle = |axis: usize| (self.origin[axis] + at[axis] as u32 - SIDE) as f32 + 0.5;
-        let offset = |[x, y, z]: [usize; 3]| {
-            let number = self.numbers[part(x) + 3 * part(y) + 9 * part(z)];
-            let index = within(x) + 8 * (within(y) + 8 * within(z));
-            self.grid.bricks[number as usize].offset(index)
-        };
-        Some(([0, 1, 2].map(middle), [offset(at), offset(next)]))
-    }
-
-    #[inline]
-    fn is_coarse(&self, [x, y, z]: [usize; 3]) -> bool {
-        self.coarse[z][y] >> x & 1 == 1
-    }
-
-    /// How far the value at a voxel of the brick is above the isovalue.
-    #[inline]
-    pub(super) fn offset(&self, index: usize) -> f32 {
-        self.grid.bricks[self.middle()].offset(index)
-    }
-
-    /// The voxel that holds the finest voxel at `p`, and how far its value is above the isovalue; its
-    /// brick must be there.
-    #[inline]
-    pub(super) fn voxel_at(&self, p: [u32; 3]) -> (Leaf, f32) {
+        let mut p = leaf.base;
+        p[axis] += thickness;
         let brick = &self.grid.bricks[self.number_of(p)];
-        (self.grid.leaf(brick, p), brick.offset(index_of(p)))
+        (self.grid.leaf(brick, p), brick.voxels.offset(index_of(p)))
+    }
+
+    /// How far the values at a voxel of the brick and the next one along an axis are above the isovalue;
+    /// there must be one.
+    #[inline]
+    pub(super) fn offsets_along<const AXIS: usize>(&self, index: usize) -> [f32; 2] {
+        let step = 1 << (3 * AXIS);
+        let own = &self.grid.bricks[self.number()].voxels;
+        let upper = match index >> (3 * AXIS) & 7 {
+            7 => {
+                let next = self.numbers[MIDDLE + STEPS[AXIS]];
+                self.grid.bricks[next as usize].voxels.offset(index - 7 * step)
+            }
+            _ => own.offset(index + step),
+        };
+        [own.offset(index), upper]
     }
 
     /// The dual edge between the voxels at a place and the next one along `axis`.
@@ -197,13 +184,15 @@ impl<'a> Halo<'a> {
 
     /// Whether a voxel of the brick has this first corner.
     pub(super) fn owns(&self, base: [u32; 3]) -> bool {
-        base.map(|i| i / SIDE) == self.grid.bricks[self.middle()].place
+        base.map(|i| i / SIDE) == self.grid.bricks[self.number()].place
     }
 
     /// Whether the corner that the eight places from `at` on have in common is one of a voxel. The
     /// smallest voxel around a corner of any has it for a corner too.
-    pub(super) fn is_corner(&self, at: [usize; 3], leaves: &[Leaf; 8]) -> bool {
-        let least = leaves.iter().map(|leaf| leaf.level).min().unwrap_or(0);
+    pub(super) fn is_corner(&self, at: [usize; 3]) -> bool {
+        let level =
+            |octant: usize| self.leaf([0, 1, 2].map(|axis| at[axis] + (octant >> axis & 1))).level;
+        let least = (0..8).map(level).min().unwrap_or(0);
         (0..3).all(|axis| {
             let corner = self.origin[axis].wrapping_add(at[axis] as u32 + 1);
             corner.wrapping_sub(SIDE) & ((1 << least) - 1) == 0
@@ -214,7 +203,7 @@ impl<'a> Halo<'a> {
     pub(super) fn number_of(&self, p: [u32; 3]) -> usize {
         let place = p.map(|i| i / SIDE);
         let near = [0, 1, 2].map(|axis| {
-            (place[axis] + 1).wrapping_sub(self.grid.bricks[self.middle()].place[axis])
+            (place[axis] + 1).wrapping_sub(self.grid.bricks[self.number()].place[axis])
         });
         let number = if near.iter().all(|&i| i < 3) {
             self.numbers[(near[0] + 3 * near[1] + 9 * near[2]) as usize]
@@ -224,41 +213,35 @@ impl<'a> Halo<'a> {
         number as usize
     }
 
-    fn middle(&self) -> usize {
+    /// The number of the brick that holds a place.
+    #[inline]
+    fn number_at(&self, at: [usize; 3]) -> usize {
+        let [x, y, z] = at.map(|i| i.div_ceil(8));
+        self.numbers[x + 3 * y + 9 * z] as usize
+    }
+
+    /// The number of the brick.
+    #[inline]
+    pub(super) fn number(&self) -> usize {
         self.numbers[MIDDLE] as usize
     }
 }
 
-/// The bits of 27 bricks, those of slice z as `of` gives them; nothing where there is no brick.
+/// The number in its brick of the voxel at a place.
 #[inline]
-fn rows(bricks: &[Option<&Brick>; 27], of: impl Fn(&Brick, usize) -> u64) -> Rows {
-    let mut rows = Rows::default();
-    for (z, slice) in rows.iter_mut().enumerate() {
-        for k in 0..3 {
-            let [a, b, c] = [0, 1, 2]
-                .map(|x| bricks[x + 3 * k + 9 * part(z)].map_or(0, |brick| of(brick, within(z))));
-            let row = |y: usize| {
-                let [a, b, c] = [a, b, c].map(|bits| (bits >> (8 * y)) as u16 & 0xff);
-                a >> 7 | b << 1 | (c & 1) << 9
-            };
-            match k {
-                0 => slice[0] = row(7),
-                1 => (0..8).for_each(|y| slice[1 + y] = row(y)),
-                _ => slice[9] = row(0),
-            }
-        }
-    }
-    rows
+fn index_at(at: [usize; 3]) -> usize {
+    let [x, y, z] = at.map(|i| (i + 7) % 8);
+    x + 8 * (y + 8 * z)
 }
 
-/// Which of three bricks in a row holds a place.
+/// The bits of the voxels before those of a brick along `axis`; `other` has those of the brick before.
 #[inline]
-fn part(i: usize) -> usize {
-    i.div_ceil(8)
-}
-
-/// Which voxel of it that is.
-#[inline]
-fn within(i: usize) -> usize {
-    (i + 7) % 8
+fn shifted(own: &Slices, other: &Slices, axis: usize) -> Slices {
+    let slice = |z: usize| match axis {
+        0 => own[z] << 1 & !FIRST_X | other[z] >> 7 & FIRST_X,
+        1 => own[z] << 8 | other[z] >> 56,
+        _ if z == 0 => other[7],
+        _ => own[z - 1],
+    };
+    array::from_fn(slice)
 }

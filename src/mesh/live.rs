@@ -5,7 +5,12 @@
 
 use rustc_hash::FxHashMap;
 
-use super::{BrickMesh, Crossing, EdgeKey, Extraction, VOXELS, extract::brick_of};
+use super::{
+    Crossing, Extraction, Grid, Voxels,
+    cuts::Cuts,
+    extract::{Parts, Run, extract_parts},
+};
+use crate::math::morton_encode;
 
 /// See the file's text.
 #[derive(Clone, Debug, Default)]
@@ -18,112 +23,131 @@ pub struct LiveMesh {
     free_triangles: Vec<u32>,
     /// By the Morton codes of bricks.
     bricks: FxHashMap<u64, Part>,
+    /// How many bricks have regions around them that are as large as bricks, or larger.
+    n_beside_large: usize,
 }
 
 /// What a brick has given.
 #[derive(Clone, Debug, Default)]
 struct Part {
-    /// In order of their edges.
-    vertices: Vec<(EdgeKey, u32)>,
-    /// In order of their cells.
+    /// Which of its edges are cut.
+    cuts: Cuts,
+    /// The places of their vertices, in order.
+    vertices: Vec<u32>,
+    /// The places of its triangles, in the order of cells.
     triangles: Vec<u32>,
+    /// Whether regions around it are as large as bricks, or larger.
+    is_beside_large: bool,
 }
 
 impl LiveMesh {
-    /// Replaces what the bricks of these Morton codes have given by `meshes`, which are in Morton order
-    /// and of no other bricks. Vertices on edges that stay keep their places.
-    pub fn replace(&mut self, bricks: &[u64], meshes: &[BrickMesh]) {
-        let mut old: FxHashMap<u64, Part> = FxHashMap::default();
-        for brick in bricks {
-            if let Some(part) = self.bricks.remove(brick) {
-                self.free_triangles.extend(&part.triangles);
-                old.insert(*brick, part);
+    /// Finds the surface again in the `wanted` bricks; `grid` has those of them that are near the
+    /// surface, and all around these. Vertices on edges that stay keep their places.
+    pub fn renew<B: Voxels>(&mut self, grid: &Grid<B>, wanted: impl Iterator<Item = [u32; 3]>) {
+        let mut numbers = Vec::new();
+        let mut old = Vec::new();
+        for place in wanted {
+            let before = self.bricks.remove(&morton_encode(place));
+            match grid.number_at(place) {
+                Some(number) => numbers.push((number as usize, before.unwrap_or_default())),
+                None => old.extend(before),
             }
         }
-        for mesh in meshes {
-            let before = old.remove(&mesh.brick).unwrap_or_default();
-            let vertices = self.vertices(&before, mesh);
-            self.bricks.insert(mesh.brick, Part { vertices, triangles: Vec::new() });
+        // In the grid's order.
+        numbers.sort_unstable_by_key(|&(number, _)| number);
+        let (numbers, before): (Vec<usize>, Vec<Part>) = numbers.into_iter().unzip();
+        let code = |number: usize| morton_encode(grid.bricks[number].place);
+        let known = |number| Some(self.bricks.get(&code(number))?.cuts.clone());
+        let Parts { mut cuts, firsts, runs } = extract_parts(grid, &numbers, known);
+        for part in before.iter().chain(&old) {
+            self.free_triangles.extend(&part.triangles);
+            self.n_beside_large -= usize::from(part.is_beside_large);
         }
-        for brick in bricks {
-            for (_, gone) in old.remove(brick).unwrap_or_default().vertices {
-                self.free_vertices.push(gone);
-            }
+        for part in old {
+            self.free_vertices.extend(part.vertices);
         }
-        for mesh in meshes {
-            let of_mesh = mesh.triangles.iter().map(|corners| {
-                let corners = corners.map(|key| self.number(key));
-                put(&mut self.triangles, &mut self.free_triangles, corners)
-            });
-            let triangles = of_mesh.collect();
-            if let Some(part) = self.bricks.get_mut(&mesh.brick) {
-                part.triangles = triangles;
-            }
-        }
-    }
 
-    /// Places for the vertices of a brick, and of those that are gone.
-    fn vertices(&mut self, before: &Part, mesh: &BrickMesh) -> Vec<(EdgeKey, u32)> {
-        let mut kept = before.vertices.iter().copied().peekable();
-        let mut vertices = Vec::with_capacity(mesh.vertices.len());
-        for &(key, crossing) in &mesh.vertices {
-            while let Some((_, gone)) = kept.next_if(|&(other, _)| other < key) {
-                self.free_vertices.push(gone);
+        // The places of all vertices, by their numbers.
+        let n: u32 = cuts.iter().map(Cuts::count).sum();
+        let mut places = vec![0; n as usize];
+        for (number, &first) in firsts.iter().enumerate() {
+            if let Some(part) = self.bricks.get(&code(number)) {
+                let first = first as usize;
+                places[first..first + part.vertices.len()].copy_from_slice(&part.vertices);
             }
-            let number = match kept.next_if(|&(other, _)| other == key) {
-                Some((_, number)) => {
-                    self.vertices[number as usize] = crossing;
-                    number
-                }
-                None => put(&mut self.vertices, &mut self.free_vertices, crossing),
-            };
-            vertices.push((key, number));
         }
-        self.free_vertices.extend(kept.map(|(_, gone)| gone));
-        vertices
+        let mut vertices = runs.iter().flat_map(|run| &run.vertices);
+        for (&number, before) in numbers.iter().zip(&before) {
+            let mut place = places[firsts[number] as usize..].iter_mut();
+            let mut kept = before.vertices.iter();
+            cuts[number].merge(&before.cuts, |is_cut, was_cut| {
+                let old = if was_cut { kept.next() } else { None };
+                if !is_cut {
+                    self.free_vertices.extend(old);
+                    return;
+                }
+                let (Some(place), Some(&vertex)) = (place.next(), vertices.next()) else { return };
+                *place = match old {
+                    Some(&old) => {
+                        self.vertices[old as usize] = vertex;
+                        old
+                    }
+                    None => put(&mut self.vertices, &mut self.free_vertices, vertex),
+                };
+            });
+        }
+        let mut before = before.into_iter();
+        for Run { bricks, triangles, .. } in runs {
+            let mut triangles = triangles.into_iter();
+            for ((number, n), mut part) in bricks.into_iter().zip(before.by_ref()) {
+                let own = &places[firsts[number] as usize..][..cuts[number].count() as usize];
+                if own.is_empty() && n == 0 {
+                    continue;
+                }
+                part.cuts = std::mem::take(&mut cuts[number]);
+                part.vertices.clear();
+                part.vertices.extend(own);
+                part.triangles.clear();
+                part.triangles.extend(triangles.by_ref().take(n).map(|corners| {
+                    let corners = corners.map(|v| places[v as usize]);
+                    put(&mut self.triangles, &mut self.free_triangles, corners)
+                }));
+                part.is_beside_large = grid.is_beside_large(number);
+                self.n_beside_large += usize::from(part.is_beside_large);
+                self.bricks.insert(code(number), part);
+            }
+        }
     }
 
     /// Whether a brick has vertices on edges of one of its voxels.
     #[must_use]
-    pub fn has_vertices_at(&self, brick: u64, voxel: usize) -> bool {
-        let is_of = |&(key, _): &(EdgeKey, u32)| key as usize % VOXELS == voxel;
-        self.bricks.get(&brick).is_some_and(|part| part.vertices.iter().any(is_of))
+    pub fn has_vertices_at(&self, brick: [u32; 3], voxel: usize) -> bool {
+        let part = self.bricks.get(&morton_encode(brick));
+        part.is_some_and(|part| part.cuts.has_vertices_at(voxel))
     }
 
-    /// The place of the vertex on an edge.
-    fn number(&self, key: EdgeKey) -> u32 {
-        let part = &self.bricks[&brick_of(key)];
-        let at = part.vertices.partition_point(|&(other, _)| other < key);
-        part.vertices[at].1
+    /// Whether nowhere at the surface a region is as large as a brick.
+    #[must_use]
+    pub fn is_of_small_regions(&self) -> bool {
+        self.n_beside_large == 0
     }
 
     /// Vertices and triangles without holes, in the order of a mesh that is made in one piece.
     #[must_use]
     pub fn compact(&self) -> Extraction {
-        let mut bricks: Vec<u64> = self.bricks.keys().copied().collect();
-        bricks.sort_unstable();
+        let mut bricks: Vec<(u64, &Part)> =
+            self.bricks.iter().map(|(&code, part)| (code, part)).collect();
+        bricks.sort_unstable_by_key(|&(code, _)| code);
         let mut numbers = vec![0; self.vertices.len()];
         let mut vertices = Vec::with_capacity(self.vertices.len() - self.free_vertices.len());
-        for brick in &bricks {
-            for &(_, number) in &self.bricks[brick].vertices {
-                numbers[number as usize] = vertices.len() as u32;
-                vertices.push(self.vertices[number as usize]);
-            }
+        for &place in bricks.iter().flat_map(|(_, part)| &part.vertices) {
+            numbers[place as usize] = vertices.len() as u32;
+            vertices.push(self.vertices[place as usize]);
         }
-        let of_brick = |brick: &u64| self.bricks[brick].triangles.iter();
-        let triangles = bricks.iter().flat_map(of_brick);
+        let places = bricks.iter().flat_map(|(_, part)| &part.triangles);
         let triangles =
-            triangles.map(|&t| self.triangles[t as usize].map(|v| numbers[v as usize])).collect();
+            places.map(|&t| self.triangles[t as usize].map(|v| numbers[v as usize])).collect();
         Extraction { vertices, triangles }
-    }
-
-    /// Places of vertices and triangles, with those that are free.
-    #[must_use]
-    pub fn places(&self) -> [[usize; 2]; 2] {
-        [
-            [self.vertices.len(), self.free_vertices.len()],
-            [self.triangles.len(), self.free_triangles.len()],
-        ]
     }
 }
 

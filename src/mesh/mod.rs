@@ -8,9 +8,11 @@
 
 mod boxes;
 mod cases;
+mod cells;
 mod check;
 mod crossings;
 mod cut;
+mod cuts;
 mod decimate;
 mod deviation;
 mod extract;
@@ -21,6 +23,7 @@ mod halo;
 mod live;
 mod near;
 mod normals;
+mod numbers;
 mod quadric;
 mod repair;
 #[cfg(test)]
@@ -32,9 +35,10 @@ use std::hash::Hasher;
 
 use siphasher::sip128::{Hasher128, SipHasher13};
 
-pub use extract::{BrickMesh, Crossing, EdgeKey, Extraction, LEAST_PART, extract, extract_bricks};
+pub use extract::{Crossing, Extraction, LEAST_PART, extract};
 pub use formula::{FormulaSettings, VertexPlace, of_formula};
-pub use grid::{Border, Brick, Grid, Leaf, SIDE, VOXELS, offset};
+pub use grid::{Border, Brick, Grid, Leaf, SIDE, Stored, VOXELS, Voxels, offset};
+pub(crate) use grid::{Slices, byte_bits, index_of, slices};
 pub use live::LiveMesh;
 pub use uniform::{Threshold, Triangles, uniform};
 

@@ -53,6 +53,12 @@ impl Threshold for f32 {
     }
 }
 
+impl Threshold for f64 {
+    fn at_least(isovalue: f64) -> Option<Self> {
+        Some(isovalue)
+    }
+}
+
 /// The surface where `samples`, x fastest, are `isovalue`; what is more is inside.
 ///
 /// # Panics

@@ -10,6 +10,7 @@ pub mod meshes;
 pub mod plot;
 pub mod ply;
 pub mod png;
+pub mod sheet;
 
 pub(crate) use atomic::failed_to_write;
 pub use atomic::{FileWriter, NewFile, write_file};

@@ -1,21 +1,18 @@
 //! Films: how many frames, how the camera moves, which parameters change.
 
-use std::sync::Arc;
-
 use super::{
     definitions::{no_parameter, settable},
-    formula::Formula,
-    frames::Script,
+    frames::MAX_FRAMES,
     lower::Lower,
     spanned::Spanned,
     spec::{AnimationSpec, CameraSpec, KeySpec, SceneSpec, Section},
+    track::Track,
 };
 use crate::{
     diagnostic::Diagnostic,
-    raster::{Motion, Path, Placement, Projection, View},
+    raster::{Motion, Path, Placement, Projection, View, time},
 };
 
-const MAX_FRAMES: i64 = 10_000;
 const DEFAULT_FPS: f64 = 24.0;
 
 /// How a scene changes from frame to frame.
@@ -27,28 +24,6 @@ pub struct Animation {
     pub fps: f64,
     /// How the camera moves.
     pub motion: Motion,
-    /// What surfaces are made of, if parameters change.
-    pub(super) script: Option<Arc<Script>>,
-}
-
-/// A parameter that changes, linear between values at even intervals.
-#[derive(Clone, Debug)]
-pub(super) struct Track {
-    pub(super) name: String,
-    /// At least one.
-    values: Spanned<Vec<f64>>,
-}
-
-impl Track {
-    /// The value at a time from 0 to 1.
-    pub(super) fn value(&self, time: f64) -> f64 {
-        between(self.values.get_ref(), time)
-    }
-
-    /// The same as it would stand in `[params]`.
-    pub(super) fn formula(&self, time: f64, source: &str) -> Formula {
-        Formula::of_number(&self.value(time).to_string(), self.values.span(), source)
-    }
 }
 
 /// The value at a time from 0 to 1 among values at even intervals.
@@ -62,18 +37,22 @@ fn between(values: &[f64], time: f64) -> f64 {
 }
 
 impl Lower<'_> {
-    /// The parameters that change.
-    pub(super) fn tracks(&mut self, spec: &SceneSpec) -> Vec<Track> {
-        let params = spec.animation.iter().flat_map(|section| &section.spec.params.spec);
+    /// The parameters that change during a film.
+    pub(super) fn tracks_of_film(&mut self, spec: &SceneSpec) -> Vec<Track> {
+        let Some(section) = &spec.animation else { return Vec::new() };
+        let n_frames = self.n_frames(&section.spec);
         let mut tracks = Vec::new();
-        for (name, values) in params {
+        for (name, values) in &section.spec.params.spec {
+            let span = values.span();
             match settable(name.get_ref(), &spec.params, &spec.lets) {
                 Ok(name) if values.get_ref().len() >= 2 => {
-                    let values = values.map(|values| values.iter().map(|value| value.0).collect());
-                    tracks.push(Track { name, values });
+                    let values: Vec<f64> = values.get_ref().iter().map(|value| value.0).collect();
+                    let value = |frame| between(&values, time(frame, n_frames));
+                    let values = (0..n_frames).map(value).collect();
+                    tracks.push(Track { name, section: "[animation.params]", values, span });
                 }
                 Ok(_) => self.errors.push(
-                    Diagnostic::new(values.span(), format!("`{}` does not change", name.get_ref()))
+                    Diagnostic::new(span, format!("`{}` does not change", name.get_ref()))
                         .label("expected two numbers or more")
                         .help("write its values in the first frame, in the last and between them"),
                 ),
@@ -83,6 +62,12 @@ impl Lower<'_> {
             }
         }
         tracks
+    }
+
+    /// How many frames a film has, of which what is wrong is noted elsewhere.
+    fn n_frames(&self, animation: &AnimationSpec) -> u32 {
+        let written = animation.frames.as_ref().map_or(1, |frames| frames.get_ref().0);
+        written.clamp(1, i64::from(MAX_FRAMES)) as u32
     }
 
     /// The view with which the scene begins, and how it goes on if it is a film.
@@ -96,7 +81,8 @@ impl Lower<'_> {
                     .help("say how many frames it has, as in frames = 48"),
             );
         }
-        let n_frames = self.whole("frames", animation.frames.as_ref(), 1..=MAX_FRAMES, 1);
+        let n_frames =
+            self.whole("frames", animation.frames.as_ref(), 1..=i64::from(MAX_FRAMES), 1);
         let fps = self.number("fps", animation.fps.as_ref(), 0.1..=1000.0, DEFAULT_FPS);
         let turn = self.number("turntable", animation.turntable.as_ref(), -1e6..=1e6, 0.0);
         let (view, motion) = match &animation.key[..] {
@@ -111,7 +97,7 @@ impl Lower<'_> {
                     .help("add `turntable`, [animation.params] or [[animation.key]]"),
             );
         }
-        (view, Some(Animation { n_frames, fps, motion, script: None }))
+        (view, Some(Animation { n_frames, fps, motion }))
     }
 
     /// The way of the camera through its keys, and the view of the first of them.

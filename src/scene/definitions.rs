@@ -122,8 +122,8 @@ struct Setting {
 
 impl Lower<'_> {
     /// Makes the definitions of the scene known to all formulas that are resolved afterwards.
-    /// Parameters that change during a film have their values at `time`, from 0 to 1.
-    pub(super) fn define(&mut self, params: &Named, lets: &Named, shapes: &Named, time: f64) {
+    /// Parameters that change have their values in `frame`, which counts from 0.
+    pub(super) fn define(&mut self, params: &Named, lets: &Named, shapes: &Named, frame: u32) {
         let mut settings = self.settings(params, lets);
         let params = params.0.iter().map(|entry| (DefinitionKind::Parameter, entry));
         let lets = lets.0.iter().map(|entry| (DefinitionKind::Let, entry));
@@ -139,7 +139,7 @@ impl Lower<'_> {
                 }
                 None => match self.tracks.iter().find(|track| track.name == name) {
                     Some(track) => {
-                        let formula = track.formula(time, self.source);
+                        let formula = track.formula(frame, self.source);
                         let ast = self.parse(&formula);
                         (formula, ast)
                     }
@@ -187,16 +187,19 @@ impl Lower<'_> {
                     let formula = Formula::in_setting(index, argument, value);
                     let ast = self.parse(&formula);
                     match settable(&argument[name.clone()], params, lets) {
-                        Ok(set) if self.tracks.iter().any(|track| track.name == set) => {
-                            let mistake = Diagnostic::new(name, format!("`{set}` cannot be set"))
-                                .label("changes during the film")
-                                .help("its values stand in [animation.params]");
-                            self.errors.push(in_setting(index, mistake));
-                        }
-                        Ok(name) => {
-                            settings.retain(|other| other.name != name);
-                            settings.push(Setting { name, formula, ast });
-                        }
+                        Ok(set) => match self.tracks.iter().find(|track| track.name == set) {
+                            Some(track) => {
+                                let message = format!("`{set}` cannot be set");
+                                let mistake = Diagnostic::new(name, message)
+                                    .label("changes from frame to frame")
+                                    .help(format!("its values stand in {}", track.section));
+                                self.errors.push(in_setting(index, mistake));
+                            }
+                            None => {
+                                settings.retain(|other| other.name != set);
+                                settings.push(Setting { name: set, formula, ast });
+                            }
+                        },
                         Err(help) => {
                             let set = &argument[name.clone()];
                             let mistake = no_parameter(name, set, &help);

@@ -8,7 +8,7 @@ use super::read::Entry;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 
 /// The sections of a scene file.
-const SECTIONS: [&str; 18] = [
+const SECTIONS: [&str; 19] = [
     "version",
     "params",
     "let",
@@ -26,6 +26,7 @@ const SECTIONS: [&str; 18] = [
     "output",
     "mesh",
     "animation",
+    "sweep",
     "about",
 ];
 
@@ -44,7 +45,9 @@ pub(super) fn unknown_section(key: &str, span: Range<usize>) -> Diagnostic {
 /// Where a key belongs that people write without its section.
 fn place_of(key: &str) -> Option<&'static str> {
     Some(match key {
-        "f" | "shape" | "blend" | "file" | "inside" | "color" | "back_color" => "[[surface]]",
+        "f" | "shape" | "blend" | "spheres" | "file" | "inside" | "color" | "back_color" => {
+            "[[surface]]"
+        }
         "clip" | "cap" => "[domain], for all surfaces, or below a [[surface]]",
         "min" | "max" => "[domain]",
         "resolution" => "[voxels]",

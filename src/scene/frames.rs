@@ -1,16 +1,12 @@
-//! The frames of a film, each a scene of its own.
+//! The frames of films and sweeps, each a scene of its own.
 
 use std::{
+    collections::BTreeMap,
     path::{Path, PathBuf},
     sync::Arc,
 };
 
-use super::{
-    Outputs, Scene, Surface,
-    animation::{Animation, Track},
-    lower::Lower,
-    spec::SceneSpec,
-};
+use super::{Outputs, Scene, Surface, lower::Lower, spec::SceneSpec, track::Track};
 use crate::{
     Error, Result,
     diagnostic::{Diagnostic, Model, Rejection, Sources},
@@ -18,6 +14,9 @@ use crate::{
     math::Aabb,
     raster::time,
 };
+
+/// The most frames that a scene may have.
+pub(super) const MAX_FRAMES: u32 = 10_000;
 
 /// What the surfaces of each frame are made of. Files that the scene names are not read again.
 #[derive(Debug)]
@@ -30,28 +29,28 @@ pub(super) struct Script {
 }
 
 impl Script {
-    /// The surfaces at a time from 0 to 1.
+    /// The surfaces in a frame, which counts from 0.
     fn surfaces(
         &self,
         source: &str,
         settings: &[String],
-        time: f64,
+        frame: u32,
     ) -> std::result::Result<Vec<Surface>, Vec<Diagnostic>> {
         let mut lower = Lower::new(source, settings, self.folder.as_deref(), Vec::new());
         lower.tracks.clone_from(&self.tracks);
         lower.n_included = self.n_included;
         lower.graphs.clone_from(&self.graphs);
-        let surfaces = lower.surfaces_of_frame(&self.spec, time);
+        let surfaces = lower.surfaces_of_frame(&self.spec, frame);
         if lower.errors.is_empty() { Ok(surfaces) } else { Err(lower.errors) }
     }
 
     /// What is wrong with the first frame that has mistakes.
     fn mistakes(&self, source: &str, settings: &[String], n_frames: u32) -> Vec<Diagnostic> {
         for frame in 1..n_frames {
-            let time = time(frame, n_frames);
-            let Err(mistakes) = self.surfaces(source, settings, time) else { continue };
-            let value = |track: &Track| format!("{} = {}", track.name, track.value(time));
-            let values: Vec<String> = self.tracks.iter().map(value).collect();
+            let Err(mistakes) = self.surfaces(source, settings, frame) else { continue };
+            let values = self.values(frame);
+            let values: Vec<String> =
+                values.iter().map(|(name, value)| format!("{name} = {value}")).collect();
             let place = format!("in frame {}, where {}", frame + 1, values.join(", "));
             let placed = |mistake: Diagnostic| Diagnostic {
                 message: format!("{place}: {}", mistake.message),
@@ -61,13 +60,19 @@ impl Script {
         }
         Vec::new()
     }
+
+    /// What parameters that change are in a frame, which counts from 0.
+    fn values(&self, frame: u32) -> BTreeMap<String, f64> {
+        let value = |track: &Track| (track.name.clone(), track.values[frame as usize]);
+        self.tracks.iter().map(value).collect()
+    }
 }
 
 impl Lower<'_> {
     /// Keeps what frames are made of, if parameters change, and notes what is wrong in any frame.
-    pub(super) fn script(&mut self, animation: &mut Animation, spec: SceneSpec) {
+    pub(super) fn script(&mut self, n_frames: u32, spec: SceneSpec) -> Option<Arc<Script>> {
         if self.tracks.is_empty() || !self.errors.is_empty() {
-            return;
+            return None;
         }
         let script = Script {
             spec,
@@ -76,27 +81,36 @@ impl Lower<'_> {
             n_included: self.n_included,
             graphs: self.graphs.clone(),
         };
-        self.errors = script.mistakes(self.source, self.settings, animation.n_frames);
-        animation.script = Some(Arc::new(script));
+        self.errors = script.mistakes(self.source, self.settings, n_frames);
+        Some(Arc::new(script))
     }
 }
 
 impl Scene {
-    /// How many frames it has; none if it is no film.
+    /// How many frames it has; none if it is a still picture.
     #[must_use]
     pub fn n_frames(&self) -> u32 {
-        self.animation.as_ref().map_or(0, |animation| animation.n_frames)
+        match (&self.animation, &self.sweep) {
+            (Some(animation), _) => animation.n_frames,
+            (_, Some(sweep)) => sweep.n_frames() as u32,
+            _ => 0,
+        }
     }
 
     /// Whether its surfaces differ from frame to frame.
     #[must_use]
     pub fn changes(&self) -> bool {
-        self.animation.as_ref().is_some_and(|animation| {
-            animation.script.is_some() || self.carvings.iter().any(|carving| carving.is_filmed)
-        })
+        let is_filmed = self.carvings.iter().any(|carving| carving.is_filmed);
+        self.script.is_some() || (self.animation.is_some() && is_filmed)
     }
 
-    /// The frame of this number, from 1: a scene without animation, with files of its own. The
+    /// What parameters that change are in the frame of this number, from 1.
+    #[must_use]
+    pub fn params_of_frame(&self, number: u32) -> BTreeMap<String, f64> {
+        self.script.as_ref().map(|script| script.values(number - 1)).unwrap_or_default()
+    }
+
+    /// The frame of this number, from 1: a still scene, with files of its own. The
     /// camera is left as it is.
     ///
     /// # Errors
@@ -106,17 +120,18 @@ impl Scene {
         let frame = Self {
             outputs: self.outputs.of_frame(number, self.n_frames()),
             animation: None,
+            sweep: None,
+            script: None,
             warnings: Vec::new(),
             ..self.clone()
         };
-        let time = time(number - 1, self.n_frames());
-        let frame = frame.with_carvings(time);
-        let animation = self.animation.as_ref();
-        let Some(script) = animation.and_then(|animation| animation.script.as_ref()) else {
-            return Ok(frame);
+        let frame = match &self.animation {
+            Some(animation) => frame.with_carvings(time(number - 1, animation.n_frames)),
+            None => frame,
         };
+        let Some(script) = &self.script else { return Ok(frame) };
         let Sources { text, settings, .. } = &self.sources;
-        match script.surfaces(text, settings, time) {
+        match script.surfaces(text, settings, number - 1) {
             Ok(surfaces) => Ok(Self { surfaces, ..frame }),
             Err(diagnostics) => {
                 let sources = self.sources.clone();
@@ -167,7 +182,7 @@ impl Scene {
 }
 
 impl Outputs {
-    /// The files of the frame of this number; the film is none of them.
+    /// The files of the frame of this number; those of all frames together are none of them.
     #[must_use]
     pub fn of_frame(&self, number: u32, n_frames: u32) -> Self {
         let digits = n_frames.to_string().len().max(4);
@@ -181,6 +196,7 @@ impl Outputs {
             exr: self.exr.as_ref().map(numbered),
             ply: self.ply.as_ref().map(numbered),
             apng: None,
+            sheet: None,
             layers: self.layers,
             meshes: self.meshes.iter().map(|(format, file)| (*format, numbered(file))).collect(),
         }
@@ -189,12 +205,13 @@ impl Outputs {
     /// Whether there is a picture among them.
     #[must_use]
     pub fn has_picture(&self) -> bool {
-        self.png.is_some() || self.exr.is_some() || self.apng.is_some()
+        [&self.png, &self.exr, &self.apng, &self.sheet].into_iter().any(Option::is_some)
     }
 
     /// All files.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         let meshes = self.meshes.iter().map(|(_, file)| file);
-        [&self.png, &self.exr, &self.ply, &self.apng].into_iter().flatten().chain(meshes)
+        let others = [&self.png, &self.exr, &self.ply, &self.apng, &self.sheet];
+        others.into_iter().flatten().chain(meshes)
     }
 }

@@ -23,6 +23,10 @@ pub(super) struct Whole(pub(super) i64);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Numbers<const N: usize>(pub(super) [f64; N]);
 
+/// Two numbers, of which each may be infinite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ends(pub(super) [f64; 2]);
+
 /// An sRGB colour, components in [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Color(pub(super) [f64; 3]);
@@ -159,6 +163,40 @@ impl<'de, const N: usize> Visitor<'de> for NumbersVisitor<N> {
             return Ok(Numbers(numbers));
         }
         Err(A::Error::custom(format!("expected {N} numbers, found {n}")))
+    }
+}
+
+impl<'de> Deserialize<'de> for Ends {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(EndsVisitor)
+    }
+}
+
+struct EndsVisitor;
+
+impl<'de> Visitor<'de> for EndsVisitor {
+    type Value = Ends;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("an array of 2 numbers")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Ends, A::Error> {
+        let mut ends = [f64::NAN; 2];
+        let mut n = 0;
+        while let Some(value) = seq.next_element::<f64>()? {
+            if value.is_nan() {
+                return Err(A::Error::custom("expected numbers, or inf or -inf"));
+            }
+            if let Some(slot) = ends.get_mut(n) {
+                *slot = value;
+            }
+            n += 1;
+        }
+        if n == 2 {
+            return Ok(Ends(ends));
+        }
+        Err(A::Error::custom(format!("expected 2 numbers, found {n}")))
     }
 }
 

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::json;
 
-use super::leaf::{Background, Color, Detail, Number, Numbers, Table, Target, Whole};
+use super::leaf::{Background, Color, Detail, Ends, Number, Numbers, Table, Target, Whole};
 
 /// `JsonSchema` for types whose schema is written out wherever they occur.
 macro_rules! schemas {
@@ -30,9 +30,15 @@ schemas! {
     Number: json_schema!({ "type": "number" });
     Whole: json_schema!({ "type": "integer" });
     Detail: json_schema!({ "anyOf": [{ "type": "integer" }, { "const": "auto" }] });
+    Ends: json_schema!({ "type": "array", "items": end(), "minItems": 2, "maxItems": 2 });
     Target: json_schema!({ "type": ["boolean", "string"] });
     Color: json_schema!({ "anyOf": [hex(), components()] });
     Background: json_schema!({ "anyOf": [{ "const": "transparent" }, hex(), components()] });
+}
+
+/// A number. JSON has no infinite ones: what leads TOML there makes them null.
+fn end() -> serde_json::Value {
+    json!({ "anyOf": [{ "type": "number" }, { "const": null }] })
 }
 
 /// "#rrggbb"

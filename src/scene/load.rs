@@ -108,9 +108,7 @@ fn parse_in(
     let mut lower = Lower::new(source, settings, folder, errors);
     lower.n_included = included.len();
     let mut scene = lower.scene(&name, &spec);
-    if let Some(animation) = &mut scene.animation {
-        lower.script(animation, spec);
-    }
+    scene.script = lower.script(scene.n_frames(), spec);
     let graphs = lower.graphs.into_iter().map(|(graph, _)| graph);
     sources.models = included.into_iter().chain(graphs).collect();
     match lower.errors.is_empty() {

@@ -13,7 +13,6 @@ use glam::DVec3;
 
 use super::{
     About, Scene, Surface,
-    animation::Track,
     color::linear,
     formula::Formula,
     leaf::{Background, Color, Detail, Number, Numbers, Target, Whole},
@@ -22,6 +21,7 @@ use super::{
         AboutSpec, DomainSpec, ImageSpec, SceneSpec, ScheduleSpec, Section, ShadeSpec, StorageSpec,
         VoxelsSpec,
     },
+    track::Track,
 };
 use crate::{
     diagnostic::{Diagnostic, Model, Sources},
@@ -71,7 +71,7 @@ pub(super) struct Lower<'a> {
     pub(super) graphs: Vec<(Model, Option<Expr>)>,
     /// Whether a picture stands for all light.
     pub(super) has_matcap: bool,
-    /// The parameters that change during a film.
+    /// The parameters that change from frame to frame.
     pub(super) tracks: Vec<Track>,
 }
 
@@ -106,14 +106,22 @@ impl<'a> Lower<'a> {
 
     /// The scene called `name`; worth something only if no errors were noted.
     pub(super) fn scene(&mut self, name: &str, spec: &SceneSpec) -> Scene {
-        self.tracks = self.tracks(spec);
-        let surfaces = self.surfaces_of_frame(spec, 0.0);
+        let sweep = self.sweep(spec);
+        self.tracks = match &sweep {
+            Some(sweep) => sweep.tracks(),
+            None => self.tracks_of_film(spec),
+        };
+        let surfaces = self.surfaces_of_frame(spec, 0);
         let (view, animation) = self.animation(spec);
         let models = self.models(&spec.models, spec.surfaces.len());
         let n_before = spec.surfaces.len() + spec.models.len();
         let (of_volumes, isosurfaces) = self.volumes(&spec.volumes, n_before);
         let carvings = self.carvings(&spec.sculptures, n_before + spec.volumes.len());
         let (of_carvings, carved) = self.carved(&spec.sculptures, &carvings);
+        let (image, outputs) = (self.image(spec), self.outputs(name, spec));
+        if let Some(sweep) = sweep.as_ref().filter(|_| outputs.sheet.is_some()) {
+            self.check_sheet(sweep, &image, spec);
+        }
         Scene {
             name: name.to_owned(),
             about: about(&spec.about.spec),
@@ -129,19 +137,21 @@ impl<'a> Lower<'a> {
             storage: storage(&spec.voxels.spec),
             schedule: schedule(&spec.voxels.spec),
             view,
-            image: self.image(spec),
-            outputs: self.outputs(name, spec),
+            image,
+            outputs,
             mesh: self.mesh(spec),
             animation,
+            sweep,
+            script: None,
             sources: Sources::default(),
             warnings: Vec::new(),
         }
     }
 
-    /// The surfaces at a time of the film, from 0 to 1.
-    pub(super) fn surfaces_of_frame(&mut self, spec: &SceneSpec, time: f64) -> Vec<Surface> {
+    /// The surfaces in a frame, which counts from 0.
+    pub(super) fn surfaces_of_frame(&mut self, spec: &SceneSpec, frame: u32) -> Vec<Surface> {
         self.has_matcap = spec.image.spec.matcap.is_some();
-        self.define(&spec.params, &spec.lets, &spec.shapes, time);
+        self.define(&spec.params, &spec.lets, &spec.shapes, frame);
         let clip = self.clip(&spec.domain);
         self.surfaces(&spec.surfaces, &clip)
     }

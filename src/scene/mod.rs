@@ -2,6 +2,7 @@
 
 mod animation;
 mod camera;
+mod caption;
 mod clip;
 mod color;
 mod coloring;
@@ -26,6 +27,8 @@ mod sculpture;
 mod spanned;
 mod spec;
 mod surface;
+mod sweep;
+mod track;
 mod volume;
 
 #[cfg(test)]
@@ -38,8 +41,10 @@ pub use load::{load, load_volumes, load_with, parse, parse_with};
 pub use lower::MAX_RESOLUTION;
 pub use schema::schema;
 pub use sculpture::Carving;
+pub use sweep::{Sweep, Swept};
 pub use volume::Scan;
 
+use frames::Script;
 use serde::Serialize;
 
 use crate::{
@@ -90,8 +95,12 @@ pub struct Scene {
     pub outputs: Outputs,
     /// How surfaces become meshes, if files of them are written.
     pub mesh: MeshSettings,
-    /// How it changes from frame to frame, if it is a film; all else is then as in the first frame.
+    /// How it moves from frame to frame, if it is a film; all else is then as in the first frame.
     pub animation: Option<Animation>,
+    /// Its variants, if it is a sweep; all else is then as in the first of them.
+    pub sweep: Option<Sweep>,
+    /// What surfaces are made of in each frame, if parameters change.
+    script: Option<Arc<Script>>,
     /// What is allowed but perhaps not meant, in the order of the places.
     pub warnings: Vec<Diagnostic>,
     /// The texts that it was made of.
@@ -135,6 +144,8 @@ pub struct Outputs {
     pub ply: Option<PathBuf>,
     /// All frames of a film; the other files are then numbered.
     pub apng: Option<PathBuf>,
+    /// All frames of a sweep, side by side; the other files are then numbered.
+    pub sheet: Option<PathBuf>,
     /// Meshes of all surfaces.
     pub meshes: Vec<(MeshFormat, PathBuf)>,
 }

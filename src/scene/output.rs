@@ -52,6 +52,16 @@ impl Lower<'_> {
                     .help("remove it, or add [animation] with the number of `frames`"),
             );
         }
+        if let Some(sheet) = &spec.sheet
+            && *sheet.get_ref() != Target::Switch(false)
+            && scene.sweep.is_none()
+        {
+            self.errors.push(
+                Diagnostic::new(sheet.span(), "`sheet` is for sweeps")
+                    .label("the scene has no [sweep]")
+                    .help("remove it, or add [sweep] with parameters and their values"),
+            );
+        }
         let mut wished = |ending: &str, wish: Wish<'_>| {
             wish.and_then(|wish| self.file(&format!("{name}.{ending}"), Some(wish)))
         };
@@ -62,12 +72,17 @@ impl Lower<'_> {
         });
         let meshes = of_meshes.collect();
         let (ply, apng) = (wished("ply", spec.ply.as_ref()), wished("apng", spec.apng.as_ref()));
+        let sheet = match scene.sweep {
+            Some(_) => self.file(&format!("{name}.sheet.png"), spec.sheet.as_ref()),
+            None => None,
+        };
         Outputs {
             png: self.file(&format!("{name}.png"), spec.png.as_ref()),
             exr: self.file(&format!("{name}.exr"), spec.exr.as_ref()),
             layers: spec.layers.unwrap_or(true),
             ply,
             apng,
+            sheet,
             meshes,
         }
     }

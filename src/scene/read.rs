@@ -133,6 +133,7 @@ fn sections(root: DeTable<'_>, source: &str, errors: &mut Vec<Diagnostic>) -> Sc
             "output" => spec.output = section("[output]", value, errors),
             "mesh" => spec.mesh = section("[mesh]", value, errors),
             "animation" => spec.animation = Some(animation(value, errors)),
+            "sweep" => spec.sweep = Some(section("[sweep]", value, errors)),
             unknown => errors.push(unknown_section(unknown, key_span)),
         }
     }

@@ -82,7 +82,7 @@ impl Lower<'_> {
             return None;
         }
         let start = match &spec.f {
-            Some(f) => Some(self.resolve(&self.formula(f))?.expr.tape()),
+            Some(f) => Some(self.resolve_once(&self.formula(f))?.expr.tape()),
             None => None,
         };
         let strokes: Vec<Vec<Stroke>> =
@@ -154,7 +154,7 @@ impl Lower<'_> {
             Some(("cube", _)) => Shape::Cube,
             Some((_, formula)) => {
                 let formula = self.formula(formula);
-                Shape::Formula(Box::new(self.resolve(&formula)?.expr.tape()))
+                Shape::Formula(Box::new(self.resolve_once(&formula)?.expr.tape()))
             }
         };
         let deed = *deed.get_ref();

@@ -20,11 +20,6 @@ impl<T> Spanned<T> {
     pub(super) fn get_ref(&self) -> &T {
         self.0.get_ref()
     }
-
-    /// Another value in its place.
-    pub(super) fn map<U>(&self, f: impl FnOnce(&T) -> U) -> Spanned<U> {
-        Spanned(toml::Spanned::new(self.span(), f(self.get_ref())))
-    }
 }
 
 impl<T: JsonSchema> JsonSchema for Spanned<T> {

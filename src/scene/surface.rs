@@ -1,4 +1,4 @@
-//! Surfaces: formulas, blends of spheres and models with what they look like.
+//! Surfaces: formulas, shapes, spheres and function graphs, with what they look like.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use super::{
     Surface,
     clip::Clip,
     color::{WHITE, default_color, linear},
-    leaf::{Color, Number, Whole},
+    leaf::{Color, Number, Numbers, Whole},
     lower::Lower,
     spanned::Spanned,
     spec::{BlendSpec, Inside, Section, SurfaceSpec},
@@ -17,8 +17,8 @@ use crate::{
     raster::Material,
 };
 
-/// More spheres than this are no scene written by hand, and take longer than anyone waits.
-const MAX_SPHERES: usize = 10_000;
+/// More spheres than this do not fit into a scene file.
+const MAX_SPHERES: usize = 100_000;
 
 const DEFAULT_SPECULAR: f64 = 0.3;
 const DEFAULT_SHININESS: i64 = 32;
@@ -66,45 +66,50 @@ impl Lower<'_> {
     /// F, negative inside.
     fn expr(&mut self, section: &Section<SurfaceSpec>) -> Option<Expr> {
         let spec = &section.spec;
-        match (&spec.f, &spec.shape, &spec.blend, &spec.file) {
-            (Some(f), None, None, None) => {
-                let formula = self.formula(f);
-                let resolved = self.resolve(&formula)?;
-                if resolved.relation == Relation::Solid {
-                    self.no_inside(spec.inside.as_ref(), "the comparison in `f`");
-                    return Some(resolved.expr);
-                }
-                Some(turned(resolved.expr, spec, Inside::Negative))
-            }
-            (None, Some(shape), None, None) => {
-                let formula = self.formula(shape).into_shape();
-                self.no_inside(spec.inside.as_ref(), "a shape");
-                Some(self.resolve(&formula)?.expr)
-            }
-            (None, None, Some(blend), None) => {
-                Some(turned(self.blend(&blend.get_ref().0), spec, Inside::Positive))
-            }
-            (None, None, None, Some(file)) => {
-                Some(turned(self.graph(file)?, spec, Inside::Negative))
-            }
-            (None, None, None, None) if section.is_damaged => None,
-            (None, None, None, None) => {
-                self.errors.push(
-                    Diagnostic::new(section.span.clone(), "the surface has no formula")
-                        .label("none of `f`, `shape`, `blend` and `file`")
-                        .help("add a formula, as in f = \"x^2 + y^2 + z^2 = 1\""),
-                );
-                None
-            }
-            (f, shape, blend, file) => {
-                let f = f.as_ref().map(|f| ("f", f.span()));
-                let blend = blend.as_ref().map(|blend| ("blend", blend.span()));
-                let file = file.as_ref().map(|file| ("file", file.span()));
-                let shape = shape.as_ref().map(|shape| ("shape", shape.span()));
-                self.given_twice([f, shape, blend, file].into_iter().flatten().collect());
-                None
-            }
+        let keys = [
+            spec.f.as_ref().map(|f| ("f", f.span())),
+            spec.shape.as_ref().map(|shape| ("shape", shape.span())),
+            spec.blend.as_ref().map(|blend| ("blend", blend.span())),
+            spec.spheres.as_ref().map(|spheres| ("spheres", spheres.span())),
+            spec.file.as_ref().map(|file| ("file", file.span())),
+        ];
+        let keys: Vec<(&str, Range<usize>)> = keys.into_iter().flatten().collect();
+        if keys.len() > 1 {
+            self.given_twice(keys);
+            return None;
         }
+        if let Some(f) = &spec.f {
+            let formula = self.formula(f);
+            let resolved = self.resolve(&formula)?;
+            if resolved.relation == Relation::Solid {
+                self.no_inside(spec.inside.as_ref(), "the comparison in `f`");
+                return Some(resolved.expr);
+            }
+            return Some(turned(resolved.expr, spec, Inside::Negative));
+        }
+        if let Some(shape) = &spec.shape {
+            let formula = self.formula(shape).into_shape();
+            self.no_inside(spec.inside.as_ref(), "a shape");
+            return Some(self.resolve(&formula)?.expr);
+        }
+        if let Some(blend) = &spec.blend {
+            return Some(turned(self.blend(&blend.get_ref().0), spec, Inside::Positive));
+        }
+        if let Some(spheres) = &spec.spheres {
+            self.no_inside(spec.inside.as_ref(), "a union of spheres");
+            return Some(Expr::spheres(&self.spheres(spheres, RADIUS)));
+        }
+        if let Some(file) = &spec.file {
+            return Some(turned(self.graph(file)?, spec, Inside::Negative));
+        }
+        if !section.is_damaged {
+            self.errors.push(
+                Diagnostic::new(section.span.clone(), "the surface has no formula")
+                    .label("none of `f`, `shape`, `blend`, `spheres` and `file`")
+                    .help("add a formula, as in f = \"x^2 + y^2 + z^2 = 1\""),
+            );
+        }
+        None
     }
 
     /// Several of the keys that give a surface; the last of them is marked.
@@ -133,24 +138,36 @@ impl Lower<'_> {
     fn blend(&mut self, spec: &BlendSpec) -> Expr {
         let threshold = self.positive("threshold", &spec.threshold);
         let radius = self.positive("radius", &spec.radius);
-        let spheres = spec.spheres.get_ref();
+        Expr::blend(threshold, radius, &self.spheres(&spec.spheres, SCALE))
+    }
+
+    /// Spheres, each three coordinates and a number above 0, of which `last` speaks.
+    fn spheres(
+        &mut self,
+        list: &Spanned<Vec<Spanned<Numbers<4>>>>,
+        [written, meaning]: [&str; 2],
+    ) -> Vec<[f64; 4]> {
+        let spheres = list.get_ref();
         if !(1..=MAX_SPHERES).contains(&spheres.len()) {
             self.errors.push(
-                Diagnostic::new(spec.spheres.span(), format!("{} spheres", spheres.len()))
+                Diagnostic::new(list.span(), format!("{} spheres", spheres.len()))
                     .label(format!("must be from 1 to {MAX_SPHERES}")),
             );
         }
         for sphere in spheres.iter().filter(|sphere| sphere.get_ref().0[3] <= 0.0) {
             self.errors.push(
                 Diagnostic::new(sphere.span(), "the last number of a sphere is not above 0")
-                    .label("[x, y, z, a]")
-                    .help("the sphere's radius is `radius` divided by a"),
+                    .label(written)
+                    .help(meaning),
             );
         }
-        let spheres: Vec<[f64; 4]> = spheres.iter().map(|sphere| sphere.get_ref().0).collect();
-        Expr::blend(threshold, radius, &spheres)
+        spheres.iter().map(|sphere| sphere.get_ref().0).collect()
     }
 }
+
+/// What a sphere of a blend is, and of a union.
+const SCALE: [&str; 2] = ["[x, y, z, a]", "the sphere's radius is `radius` divided by a"];
+const RADIUS: [&str; 2] = ["[x, y, z, radius]", "the last number is the sphere's radius"];
 
 /// F with the sign that the file asks for, or the usual one, turned to negative inside.
 fn turned(expr: Expr, spec: &SurfaceSpec, usual: Inside) -> Expr {

@@ -1,8 +1,12 @@
 //! Sampled volumes: files that lie beside the scene, and the isosurfaces in them.
 
+use std::path::Path;
+
 use super::{
     color::{WHITE, default_color},
+    leaf::Whole,
     lower::Lower,
+    spanned::Spanned,
     spec::{ByteOrderSpec, CriterionSpec, SampleTypeSpec, Section, VolumeSpec},
 };
 use crate::{
@@ -12,7 +16,7 @@ use crate::{
     mesh::{Border, Mesh},
     polygons::Polygons,
     raster::Model,
-    volume::{ByteOrder, Keep, RawFormat, SampleType, Volume},
+    volume::{ByteOrder, Keep, RawFormat, SampleType, Volume, is_cube},
 };
 
 /// More voxels along an axis are no file that memory holds.
@@ -75,9 +79,13 @@ impl Lower<'_> {
             return None;
         };
         let path = self.beside(file).map_err(|mistake| self.errors.push(mistake)).ok()?;
-        let volume = Volume::read(&path, raw.as_ref()).map_err(|why| {
+        let (volume, span) = match &spec.orbital {
+            Some(orbital) => (self.orbital(&path, raw.as_ref(), orbital)?, orbital.span()),
+            None => (Volume::read(&path, raw.as_ref()), file.span()),
+        };
+        let volume = volume.map_err(|why| {
             let message = format!("cannot use {}: {why}", file.get_ref());
-            self.errors.push(Diagnostic::new(file.span(), message));
+            self.errors.push(Diagnostic::new(span, message));
         });
         let (volume, isovalue) = self.inside(section, volume.ok()?)?;
         let volume = self.kept(spec, volume, isovalue)?;
@@ -89,6 +97,24 @@ impl Lower<'_> {
         let border = if spec.cap.unwrap_or(false) { Border::Capped } else { Border::Open };
         let name = spec.name.clone().unwrap_or_else(|| file.get_ref().clone());
         Some(Scan { name, volume, isovalue, tolerance: Tolerance { epsilon, criterion }, border })
+    }
+
+    /// One orbital of a cube file, unless the file is of another kind.
+    fn orbital(
+        &mut self,
+        path: &Path,
+        raw: Option<&RawFormat>,
+        orbital: &Spanned<Whole>,
+    ) -> Option<Result<Volume, String>> {
+        if raw.is_some() || !is_cube(path) {
+            self.errors.push(
+                Diagnostic::new(orbital.span(), "`orbital` is for cube files")
+                    .label("this file has another ending than .cube and .cub")
+                    .help("remove it"),
+            );
+            return None;
+        }
+        Some(Volume::read_orbital(path, orbital.get_ref().0))
     }
 
     /// The volume in which what is inside is at or above the isovalue.

@@ -67,9 +67,7 @@ impl<V: Value> Sculpture<V> {
             end: corner((place + tool.radius).ceil() + 1.0),
         }
         .and(&whole);
-        let points: Vec<DVec3> =
-            samples.iter().map(|p| DVec3::from_array(p.map(f64::from)) + 0.5).collect();
-        let depths = tool.depths(&Piece { from: place, to: place }, &points);
+        let depths = tool.depths(&Piece { from: place, to: place }, &samples);
         let values = self.octree().values(&samples);
         values
             .iter()

@@ -1,9 +1,8 @@
 //! A volume under the hands of a sculptor: its octree and its mesh, which follow every change.
 
 use crate::{
-    hrb::{HrbOctree, Region, Samples, Value},
-    math::morton_encode,
-    mesh::{Border, Extraction, LiveMesh, SIDE, extract_bricks},
+    hrb::{HrbOctree, Samples, Value, Window},
+    mesh::{Border, Extraction, LiveMesh, SIDE},
 };
 
 /// See the file's text. Coordinates are in samples, from the first corner of the first one.
@@ -20,10 +19,10 @@ impl<V: Value> Sculpture<V> {
     #[must_use]
     pub fn new(mut octree: HrbOctree<V>, isovalue: f64, border: Border) -> Self {
         octree.assign_corners();
-        let mut sculpture = Self { octree, isovalue, border, mesh: LiveMesh::default() };
-        let whole = sculpture.octree.samples().grown(1);
-        sculpture.renew(&whole);
-        sculpture
+        let whole = Window::of(&[octree.samples().grown(1)]);
+        let mut mesh = LiveMesh::default();
+        mesh.renew(&octree.grid_around(isovalue, border, &whole), whole.chosen());
+        Self { octree, isovalue, border, mesh }
     }
 
     /// The volume.
@@ -52,11 +51,25 @@ impl<V: Value> Sculpture<V> {
 
     /// Gives samples of the volume other values, x fastest.
     pub fn set(&mut self, samples: &Samples, values: &[V]) {
-        let changed = self.octree.set(samples, values);
-        if !changed.is_empty() {
-            let reach = self.reach(changed);
-            self.renew(&reach);
+        let changes = self.octree.set(samples, values);
+        if changes.bricks.is_empty() {
+            return;
         }
+        // Where no region at the surface is as large as a brick, before and after, it is no matter how
+        // larger ones are divided.
+        if self.mesh.is_of_small_regions() {
+            let boxes: Vec<Samples> = changes.bricks.iter().map(|box_| box_.grown(1)).collect();
+            let near = Window::of(&boxes);
+            let grid = self.octree.grid_around(self.isovalue, self.border, &near);
+            if grid.is_of_small_voxels() {
+                return self.mesh.renew(&grid, near.chosen());
+            }
+        }
+        let changed = changes.bricks.iter().chain(&changes.large);
+        let changed = changed.fold(changes.bricks[0], |all, one| all.with(one));
+        let near = Window::of(&[self.reach(changed)]);
+        let grid = self.octree.grid_around(self.isovalue, self.border, &near);
+        self.mesh.renew(&grid, near.chosen());
     }
 
     /// All samples whose bricks have to give their parts of the mesh anew. Regions larger than bricks
@@ -64,14 +77,11 @@ impl<V: Value> Sculpture<V> {
     fn reach(&self, changed: Samples) -> Samples {
         let mut reach = changed.grown(1);
         loop {
-            let mut wider = reach;
-            for base in self.octree.large_bases(&reach) {
-                let region = self.octree.region_at(base);
-                if self.has_vertices(&region) {
-                    let own = Samples { first: base, end: base.map(|i| i + (1 << region.level)) };
-                    wider = wider.with(&own.grown(1));
-                }
-            }
+            let large = self.octree.large_regions(&reach);
+            let wider = large
+                .iter()
+                .filter(|region| self.has_vertices(region))
+                .fold(reach, |wider, region| wider.with(&region.grown(1)));
             if wider == reach {
                 return reach;
             }
@@ -80,52 +90,24 @@ impl<V: Value> Sculpture<V> {
     }
 
     /// Whether a region larger than a brick has vertices of its own, or had some.
-    fn has_vertices(&self, region: &Region<V>) -> bool {
-        let place = region.base.map(|i| i / SIDE + 1);
-        if self.mesh.has_vertices_at(morton_encode(place), 0) {
+    fn has_vertices(&self, region: &Samples) -> bool {
+        if self.mesh.has_vertices_at(region.first.map(|i| i / SIDE + 1), 0) {
             return true;
         }
         let is_inside = |value: V| value.to_f64() >= self.isovalue;
-        let own = is_inside(region.value);
+        let of_region = self.octree.region_at(region.first);
+        let own = is_inside(of_region.value);
         let size = self.octree.size();
         (0..3).any(|axis| {
-            [region.base[axis].wrapping_sub(1), region.base[axis] + (1 << region.level)]
-                .into_iter()
-                .any(|beside| {
-                    if beside >= size[axis] {
-                        return own && self.border == Border::Capped;
-                    }
-                    let mut p = region.base;
-                    p[axis] = beside;
-                    let other = self.octree.region_at(p);
-                    other.level >= region.level && is_inside(other.value) != own
-                })
+            [region.first[axis].wrapping_sub(1), region.end[axis]].into_iter().any(|beside| {
+                if beside >= size[axis] {
+                    return own && self.border == Border::Capped;
+                }
+                let mut p = region.first;
+                p[axis] = beside;
+                let other = self.octree.region_at(p);
+                other.level >= of_region.level && is_inside(other.value) != own
+            })
         })
-    }
-
-    /// Finds the mesh again in all bricks that hold these samples; the layer around the volume, to which
-    /// they have grown, counts with them.
-    fn renew(&mut self, samples: &Samples) {
-        // Bricks are counted from one before the volume. What has grown to the first sample reaches
-        // beyond it.
-        let first = samples.first.map(|i| if i == 0 { 0 } else { i / SIDE + 1 });
-        let end = samples.end.map(|i| i.div_ceil(SIDE) + 1);
-        // Two bricks around, so that those next to the renewed ones are complete.
-        let grid = self.octree.grid_within(
-            self.isovalue,
-            self.border,
-            first.map(|i| i.saturating_sub(3)),
-            end.map(|i| i + 3),
-        );
-        let is_renewed =
-            |place: [u32; 3]| (0..3).all(|axis| (first[axis]..end[axis]).contains(&place[axis]));
-        let meshes = extract_bricks(&grid, is_renewed);
-        let mut bricks = Vec::new();
-        for z in first[2]..end[2] {
-            for y in first[1]..end[1] {
-                bricks.extend((first[0]..end[0]).map(|x| morton_encode([x, y, z])));
-            }
-        }
-        self.mesh.replace(&bricks, &meshes);
     }
 }

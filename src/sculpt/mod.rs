@@ -4,12 +4,14 @@
 //! *Based on:* A. León Salas, 2008, chapter 4.
 
 mod contact;
+mod flow;
 mod live;
 mod path;
 mod plan;
 #[cfg(test)]
 mod tests;
 mod tool;
+mod work;
 
 pub use contact::{Contact, Moment};
 pub use live::Sculpture;

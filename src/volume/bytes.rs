@@ -1,7 +1,8 @@
 //! From the bytes of a file to samples: as many as the header says, or a refusal.
 //!
 //! No more memory is taken than the file can fill: plain bytes are counted before the first one is
-//! read, and packed bytes cannot unpack to more than a thousand times as many.
+//! read, and packed bytes cannot unpack to more than a thousand times as many. A volume that the machine
+//! cannot hold is not begun.
 
 use std::{
     fs::File,
@@ -11,6 +12,7 @@ use std::{
 use flate2::read::{MultiGzDecoder, ZlibDecoder};
 
 use super::{Refusal, SampleType, Samples, times, with_room};
+use crate::memory::{self, mebibytes};
 
 /// Which byte of a number comes first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -73,8 +75,26 @@ impl Stored {
         self.n_samples() * self.sample_type.n_bytes()
     }
 
+    /// Whether the samples and their octree fit into so many bytes.
+    fn check(&self, bytes: Option<u64>) -> Result<(), Refusal> {
+        // A value in the octree takes twice the bytes of a sample or 8 at most, with a part of the nodes.
+        let of_sample = self.sample_type.n_bytes();
+        let needed = self.n_samples().saturating_mul(of_sample + (5 * of_sample / 2).min(10));
+        match bytes {
+            Some(bytes) if needed > bytes => Err(format!(
+                "its {} samples of {} need {} with their octree, and {} are what they may take",
+                times(self.size.map(u64::from)),
+                self.sample_type,
+                mebibytes(needed),
+                mebibytes(bytes),
+            )),
+            _ => Ok(()),
+        }
+    }
+
     /// The samples in `file`, which is `length` bytes long.
     pub(super) fn read(&self, (mut file, length): (File, u64)) -> Result<Samples, Failure> {
+        self.check(memory::usual()).map_err(Failure::Other)?;
         let packed = length.saturating_sub(self.start);
         file.seek(SeekFrom::Start(self.start)).map_err(failed)?;
         let file = BufReader::with_capacity(CHUNK, file);
@@ -178,7 +198,7 @@ pub(super) fn head(file: File, packing: Packing, n: usize) -> Result<Vec<u8>, Re
 }
 
 /// The most bytes that `packed` bytes become.
-fn ratio(packed: u64) -> u64 {
+pub(super) fn ratio(packed: u64) -> u64 {
     packed.saturating_mul(MAX_RATIO)
 }
 
@@ -206,5 +226,25 @@ impl Failure {
             }
             Self::Other(words) => words,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_volume_larger_than_memory_is_refused() {
+        let stored = Stored {
+            size: [512; 3],
+            sample_type: SampleType::U8,
+            byte_order: ByteOrder::Little,
+            packing: Packing::Plain,
+            start: 0,
+            skip: 0,
+        };
+        assert!(stored.check(None).is_ok() && stored.check(Some(1 << 30)).is_ok());
+        let error = stored.check(Some(100 << 20)).unwrap_err();
+        assert!(error.contains("need 384 MiB with their octree, and 100 MiB"), "{error}");
     }
 }

@@ -7,6 +7,7 @@
 //! | `.nrrd`, `.nhdr` | NRRD: the file itself, or a header beside it |
 //! | `.mha`, `.mhd` | MetaImage, likewise |
 //! | `.nii`, `.nii.gz`, `.hdr` | NIfTI-1, likewise |
+//! | `.cube`, `.cub` | Gaussian cube files |
 //!
 //! **Places.** Sample (i, j, k) stands at (i + ½, j + ½, k + ½): in the middle of a voxel, so that the
 //! grid fills the box from 0 to its size. [`Volume::placing`] leads from there to the scene, whose
@@ -18,6 +19,7 @@
 mod band;
 mod bytes;
 mod components;
+mod cube;
 mod fit;
 mod header;
 mod metaimage;
@@ -37,6 +39,7 @@ use std::path::Path;
 pub use self::{
     bytes::ByteOrder,
     components::{Keep, Kept},
+    cube::{BOHR, CubeHeader},
     raw::RawFormat,
     sampled::Quantize,
     samples::{Sample, SampleType, Samples},
@@ -74,19 +77,26 @@ impl Volume {
         if let Some(format) = raw {
             return raw::read(path, format);
         }
-        let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase());
-        let name = name.unwrap_or_default();
-        let name = name.strip_suffix(".gz").unwrap_or(&name);
-        match name.rsplit_once('.').map(|(_, ending)| ending) {
+        let name = unpacked_name(path);
+        match ending(&name) {
             Some("nrrd" | "nhdr") => nrrd::read(path),
             Some("mha" | "mhd") => metaimage::read(path),
             Some("nii" | "hdr") => nifti::read(path),
-            Some("raw") => Err(raw::unknown(name)),
+            Some("cube" | "cub") => cube::read(path, None),
+            Some("raw") => Err(raw::unknown(&name)),
             Some("xz") => Err("it is packed with xz: unpack it first (xz -dk)".to_owned()),
-            _ => Err("the name must end in .nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz or .hdr; \
-                      any other file needs its size and type of samples"
+            _ => Err("the name must end in .nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz, .hdr, .cube \
+                      or .cub; any other file needs its size and type of samples"
                 .to_owned()),
         }
+    }
+
+    /// Reads one orbital of a cube file: the one that has this number in the file's list.
+    ///
+    /// # Errors
+    /// As [`Self::read`]; also if there is no such orbital.
+    pub fn read_orbital(path: &Path, orbital: i64) -> Result<Self, Refusal> {
+        cube::read(path, Some(orbital))
     }
 
     /// The smallest and the largest sample; NaN is left out, and stands for both where there is no
@@ -133,6 +143,24 @@ impl Volume {
             Err(format!("{isovalue} is no isovalue of it: its samples go from {low} to {high}"))
         }
     }
+}
+
+/// Whether a file is a Gaussian cube file, by its name.
+#[must_use]
+pub fn is_cube(path: &Path) -> bool {
+    matches!(ending(&unpacked_name(path)), Some("cube" | "cub"))
+}
+
+/// The name of a file in small letters, without `.gz`.
+fn unpacked_name(path: &Path) -> String {
+    let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase());
+    let name = name.unwrap_or_default();
+    name.strip_suffix(".gz").map_or(name.clone(), str::to_owned)
+}
+
+/// What follows the last dot of a name.
+fn ending(name: &str) -> Option<&str> {
+    name.rsplit_once('.').map(|(_, ending)| ending)
 }
 
 /// A size that can be had.

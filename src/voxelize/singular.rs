@@ -47,6 +47,11 @@ pub fn singular_places(
 /// Edge of the boxes that are asked first, in voxels.
 const CUBE: u32 = 8;
 
+/// Edges of the groups of cubes for which F is shortened, in cubes: one after the other, so that a long
+/// formula is gone through rarely, and small boxes have little of it.
+const BLOCK: u32 = 4;
+const PAIR: u32 = 2;
+
 /// A cube with more voxels in doubt than this is given up: the formula is too involved for it.
 const MAX_VOXELS: usize = 384;
 
@@ -93,15 +98,38 @@ impl SimdTask for Task<'_> {
     type Output = Vec<[u32; 3]>;
 
     fn run<S: Simd>(self, simd: S) -> Self::Output {
-        let new = || Look::new(simd, self.tape);
-        let find = |look: &mut Look<'_, S>, cubes: &[[u32; 3]]| self.find(look, cubes);
-        self.cubes.par_chunks(BATCH).map_init(new, find).flatten_iter().collect()
+        let blocks: Vec<&[[u32; 3]]> = groups(self.cubes, BLOCK).collect();
+        let find = |look: &mut Look<S>, cubes: &[[u32; 3]]| self.find_in_block(look, cubes);
+        blocks.into_par_iter().map_init(|| Look::new(simd), find).flatten_iter().collect()
     }
 }
 
+/// Cubes that follow each other in groups with edges of so many, a power of two.
+fn groups(cubes: &[[u32; 3]], edge: u32) -> impl Iterator<Item = &[[u32; 3]]> {
+    let place = move |cube: &[u32; 3]| cube.map(|i| i / edge);
+    cubes.chunk_by(move |a, b| place(a) == place(b))
+}
+
 impl Task<'_> {
-    /// The voxels of some cubes that are in doubt, in Morton order.
-    fn find<S: Simd>(&self, look: &mut Look<'_, S>, cubes: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    /// The voxels of the cubes of a block that are in doubt, in Morton order.
+    fn find_in_block<S: Simd>(&self, look: &mut Look<S>, cubes: &[[u32; 3]]) -> Vec<[u32; 3]> {
+        if self.tape.n_choices() == 0 {
+            return self.find(look, self.tape, cubes);
+        }
+        let around = |cubes: &[[u32; 3]], edge| {
+            self.part(cubes[0].map(|i| i / edge * edge * CUBE), edge * CUBE)
+        };
+        let of_block = look.shortened(self.tape, around(cubes, BLOCK));
+        let mut voxels = Vec::new();
+        for cubes in groups(cubes, PAIR) {
+            let tape = look.shortened(&of_block, around(cubes, PAIR));
+            voxels.extend(self.find(look, &tape, cubes));
+        }
+        voxels
+    }
+
+    /// The voxels of some cubes that are in doubt, in Morton order; `tape` is F in them.
+    fn find<S: Simd>(&self, look: &mut Look<S>, tape: &Tape, cubes: &[[u32; 3]]) -> Vec<[u32; 3]> {
         let n = self.lattice.n_voxels();
         let mut parts: Vec<Part> =
             cubes.iter().map(|cube| self.part(cube.map(|i| i * CUBE), CUBE)).collect();
@@ -115,11 +143,11 @@ impl Task<'_> {
                 1 => self.storage.find(*ijk).is_some(),
                 _ => (0..3).all(|axis| ijk[axis] < n[axis]),
             };
-            let halves = look.doubtful(parts).into_iter().flat_map(of_part);
+            let halves = look.doubtful(tape, parts).into_iter().flat_map(of_part);
             parts = halves.filter(is_there).map(|ijk| self.part(ijk, edge)).collect();
         }
         let (mut left, mut voxels) = (Vec::new(), Vec::new());
-        for of_cube in look.doubtful(parts).chunk_by(|a, b| a.cube() == b.cube()) {
+        for of_cube in look.doubtful(tape, parts).chunk_by(|a, b| a.cube() == b.cube()) {
             match of_cube.len() > MAX_VOXELS {
                 true => voxels.extend(of_cube.iter().map(|part| part.ijk)),
                 false => left.extend_from_slice(of_cube),
@@ -127,7 +155,7 @@ impl Task<'_> {
         }
         for _ in 0..MAX_HALVINGS {
             let halves = left.iter().flat_map(|part| part.halves()).collect();
-            left = look.doubtful(halves);
+            left = look.doubtful(tape, halves);
             let mut next = Vec::new();
             for of_voxel in left.chunk_by(|a, b| a.ijk == b.ijk) {
                 match of_voxel.len() > MAX_PARTS {
@@ -181,25 +209,31 @@ impl Part {
 }
 
 /// One thread's means.
-struct Look<'a, S: Simd> {
-    tape: &'a Tape,
+struct Look<S: Simd> {
     values: BoxEvaluator<f64x8<S>, { BATCH / 8 }>,
     slopes: SlopeEvaluator<f64x8<S>, { BATCH / 8 }>,
     boxes: Boxes<f64>,
 }
 
-impl<'a, S: Simd> Look<'a, S> {
-    fn new(simd: S, tape: &'a Tape) -> Self {
+impl<S: Simd> Look<S> {
+    fn new(simd: S) -> Self {
         let (values, slopes) = (BoxEvaluator::new(simd), SlopeEvaluator::new(simd));
-        Self { tape, values, slopes, boxes: Boxes::default() }
+        Self { values, slopes, boxes: Boxes::default() }
+    }
+
+    /// What is left of F in a box.
+    fn shortened(&mut self, tape: &Tape, part: Part) -> Tape {
+        self.write(&[part]);
+        self.values.eval(tape, &self.boxes, 1, true);
+        tape.shortened(self.values.choices(0))
     }
 
     /// The parts that the surface may meet, and in which it is not proven to be one sheet.
-    fn doubtful(&mut self, mut parts: Vec<Part>) -> Vec<Part> {
+    fn doubtful(&mut self, tape: &Tape, mut parts: Vec<Part>) -> Vec<Part> {
         let mut left = Vec::new();
         for batch in parts.chunks(BATCH) {
             self.write(batch);
-            let Self { values, slopes, boxes, tape } = self;
+            let Self { values, slopes, boxes } = self;
             let verdict = slopes.eval(values, tape, boxes, boxes, batch.len()).verdict;
             let is_decided = |i: usize| (verdict.empty | verdict.negative) >> i & 1 == 1;
             let is_one_sheet =
@@ -207,14 +241,14 @@ impl<'a, S: Simd> Look<'a, S> {
             let is_left = |&(i, _): &(usize, &Part)| !is_decided(i) && !is_one_sheet(i);
             left.extend(batch.iter().enumerate().filter(is_left).map(|(_, part)| *part));
         }
-        if self.tape.n_choices() == 0 {
+        if tape.n_choices() == 0 {
             return left;
         }
         for directions in &DIAGONALS {
             parts = std::mem::take(&mut left);
             for batch in parts.chunks(BATCH) {
                 self.write(batch);
-                let found = self.slopes.along(self.tape, &self.boxes, batch.len(), directions);
+                let found = self.slopes.along(tape, &self.boxes, batch.len(), directions);
                 let continuous = found.verdict.continuous;
                 let slopes = self.slopes.slopes();
                 let is_left =

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::UpSpec;
 use crate::scene::{
-    leaf::{Color, Number, Numbers, Whole},
+    leaf::{Color, Ends, Number, Numbers, Whole},
     spanned::Spanned,
 };
 
@@ -44,15 +44,19 @@ pub(in crate::scene) struct ModelSpec {
 #[serde(deny_unknown_fields)]
 pub(in crate::scene) struct VolumeSpec {
     /// The file, relative to the folder of the scene: NRRD (`.nrrd`, `.nhdr`), MetaImage (`.mha`,
-    /// `.mhd`), NIfTI-1 (`.nii`, `.nii.gz`, `.hdr`), or raw samples with `size` and `type`.
+    /// `.mhd`), NIfTI-1 (`.nii`, `.nii.gz`, `.hdr`), a Gaussian cube file (`.cube`, `.cub`), or raw
+    /// samples with `size` and `type`.
     #[schemars(required)]
     pub(in crate::scene) file: Option<Spanned<String>>,
     /// For messages and meshes; the file's name by default.
     pub(in crate::scene) name: Option<String>,
+    /// A cube file with several orbitals: the number of the one that is meant, as the file lists it.
+    pub(in crate::scene) orbital: Option<Spanned<Whole>>,
     /// What is this large or larger is inside.
     pub(in crate::scene) isovalue: Option<Spanned<Number>>,
-    /// What lies between these two is inside, instead of `isovalue`.
-    pub(in crate::scene) range: Option<Spanned<Numbers<2>>>,
+    /// What lies between these two is inside, instead of `isovalue`; with -inf as the first, what is
+    /// the second or smaller.
+    pub(in crate::scene) range: Option<Spanned<Ends>>,
     /// Whether only the largest component of what is inside is kept; false by default.
     pub(in crate::scene) keep_largest: Option<bool>,
     /// Components with fewer samples are dropped; 1 by default.

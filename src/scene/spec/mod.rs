@@ -9,6 +9,7 @@ mod picture;
 mod sculpture;
 mod space;
 mod surface;
+mod sweep;
 
 use std::ops::Range;
 
@@ -27,6 +28,7 @@ pub(super) use sculpture::{
 };
 pub(super) use space::{DomainSpec, ScheduleSpec, StorageSpec, VoxelsSpec};
 pub(super) use surface::{BlendSpec, Inside, PaletteSpec, SurfaceSpec};
+pub(super) use sweep::{SweepSpec, ValuesSpec};
 
 /// The only version of the format so far.
 pub(super) const VERSION: &str = "1";
@@ -84,6 +86,9 @@ pub(super) struct SceneSpec {
     #[schemars(default)]
     pub(super) mesh: Section<MeshSpec>,
     pub(super) animation: Option<Section<AnimationSpec>>,
+    /// Variants of the scene, a frame for each combination of the values of parameters: the first value,
+    /// the last one and how many, or `{ values = [...] }`. The last parameter changes first.
+    pub(super) sweep: Option<Section<SweepSpec>>,
 }
 
 /// A section of the file, or what stands for one that is left out.

@@ -8,7 +8,7 @@ use crate::scene::{
     spanned::Spanned,
 };
 
-/// What is drawn: one of `f`, `shape`, `blend` and `file`.
+/// What is drawn: one of `f`, `shape`, `blend`, `spheres` and `file`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::scene) struct SurfaceSpec {
@@ -20,11 +20,13 @@ pub(in crate::scene) struct SurfaceSpec {
     pub(in crate::scene) shape: Option<Spanned<String>>,
     /// A blend of spheres.
     pub(in crate::scene) blend: Option<Spanned<Table<BlendSpec>>>,
+    /// The union of spheres, each `[x, y, z, radius]`.
+    pub(in crate::scene) spheres: Option<Spanned<Vec<Spanned<Numbers<4>>>>>,
     /// A function graph in the text format of libfive and Fidget: the file `NAME.vm`, relative to
     /// the folder of the scene.
     pub(in crate::scene) file: Option<Spanned<String>>,
     /// The sign of F inside: negative by default for `f` and `file`, positive for `blend`; a
-    /// comparison says itself what is inside.
+    /// comparison says itself what is inside, and shapes and spheres have no other.
     pub(in crate::scene) inside: Option<Spanned<Inside>>,
     /// What is kept, as an inequality; the cuts are open. `clip` of `[domain]` applies as well.
     pub(in crate::scene) clip: Option<Spanned<String>>,

@@ -1,0 +1,109 @@
+//! Cells of a brick as bits: 64 voxels, or the cells from these on, are looked at together.
+
+use super::grid::{SIDE, Slices};
+
+/// Bits of the first voxels of a slice, along x and along y.
+pub(super) const FIRST_X: u64 = 0x0101_0101_0101_0101;
+pub(super) const FIRST_Y: u64 = 0xff;
+/// And of the last ones.
+pub(super) const LAST_X: u64 = FIRST_X << 7;
+pub(super) const LAST_Y: u64 = FIRST_Y << 56;
+
+/// Something that is true of the voxels of a brick and of the next ones: bit x + 8y of word i of slice
+/// z is that of the voxel at (x + i & 1, y + i >> 1, z).
+#[derive(Clone, Copy, Default)]
+pub(super) struct Words([[u64; 4]; SIDE as usize + 1]);
+
+impl Words {
+    /// Of what `of` tells of the bricks from a brick on, by steps of x + 3y + 9z.
+    #[inline]
+    pub(super) fn new(of: impl Fn(usize) -> Slices) -> Self {
+        let mut words = Self::default();
+        for above in 0..2 {
+            let [a, b, c, d] = [0, 1, 3, 4].map(|step| of(step + 9 * above));
+            // Of the bricks above only the first slice.
+            let n = if above == 0 { SIDE as usize } else { 1 };
+            for (z, words) in words.0[8 * above..].iter_mut().take(n).enumerate() {
+                let next_x = |own: u64, next: u64| own >> 1 & !LAST_X | next << 7 & LAST_X;
+                let next_y = |own: u64, next: u64| own >> 8 | next << 56;
+                let y = next_y(a[z], c[z]);
+                *words = [a[z], next_x(a[z], b[z]), y, next_x(y, next_y(b[z], d[z]))];
+            }
+        }
+        words
+    }
+
+    /// Of the voxels at the places of word `i` of a slice.
+    #[inline]
+    pub(super) fn at(&self, i: usize, z: usize) -> u64 {
+        self.0[z][i]
+    }
+
+    /// Of those after these along `axis`.
+    #[inline]
+    pub(super) fn after(&self, i: usize, z: usize, axis: usize) -> u64 {
+        if axis == 2 { self.0[z + 1][i] } else { self.0[z][i | 1 << axis] }
+    }
+
+    /// Whether all four words of a slice, or any, have a bit.
+    #[inline]
+    fn all(&self, z: usize) -> u64 {
+        self.0[z].iter().fold(u64::MAX, |all, word| all & word)
+    }
+
+    #[inline]
+    fn any(&self, z: usize) -> u64 {
+        self.0[z].iter().fold(0, |any, word| any | word)
+    }
+}
+
+/// What the cells of a brick are made of.
+pub(super) struct CellBits {
+    pub(super) inside: Words,
+    /// There is a voxel or a phantom.
+    pub(super) known: Words,
+    /// Larger than the finest.
+    pub(super) coarse: Words,
+}
+
+impl CellBits {
+    /// Of the cells from the voxels of a slice on, those with voxels inside and voxels that are not.
+    #[inline]
+    pub(super) fn mixed(&self, z: usize) -> u64 {
+        let (inside, known) = (&self.inside, &self.known);
+        let (any, all) = (inside.any(z) | inside.any(z + 1), inside.all(z) & inside.all(z + 1));
+        any & !all & known.all(z) & known.all(z + 1)
+    }
+
+    /// The octants of one of them that lie inside, as bits.
+    #[inline]
+    pub(super) fn case(&self, z: usize, bit: usize) -> usize {
+        let octants = |z: usize| {
+            let [a, b, c, d] = self.inside.0[z].map(|word| (word >> bit & 1) as usize);
+            a | b << 1 | c << 2 | d << 3
+        };
+        octants(z) | octants(z + 1) << 4
+    }
+
+    /// Which edges from the voxels of word `i` of a slice along `axis` are cut.
+    #[inline]
+    pub(super) fn cut(&self, i: usize, z: usize, axis: usize) -> u64 {
+        let (inside, known) = (&self.inside, &self.known);
+        (inside.at(i, z) ^ inside.after(i, z, axis)) & known.at(i, z) & known.after(i, z, axis)
+    }
+
+    /// Of these, those between two voxels that are larger than the finest.
+    #[inline]
+    pub(super) fn large(&self, i: usize, z: usize, axis: usize) -> u64 {
+        self.cut(i, z, axis) & self.coarse.at(i, z) & self.coarse.after(i, z, axis)
+    }
+
+    /// Of the cells from the voxels of a slice on, those with such edges.
+    #[inline]
+    pub(super) fn at_large(&self, z: usize) -> u64 {
+        let along_x = |z| self.large(0, z, 0) | self.large(2, z, 0);
+        let along_y = |z| self.large(0, z, 1) | self.large(1, z, 1);
+        let along_z = (0..4).fold(0, |any, i| any | self.large(i, z, 2));
+        along_x(z) | along_x(z + 1) | along_y(z) | along_y(z + 1) | along_z
+    }
+}

@@ -1,0 +1,199 @@
+//! Which dual edges of a brick the surface cuts, and their numbers in it.
+//!
+//! The line between the middles of two voxels that share a face is a *dual edge*. It belongs to the
+//! smaller voxel, or of equal ones to the lower one, and is a bit of that voxel's brick: its number is
+//! the count of bits before it.
+
+use rayon::prelude::*;
+
+use super::{
+    grid::{Grid, Leaf, SIDE, VOXELS, Voxels, index_of},
+    halo::Halo,
+};
+
+/// Directions from a voxel to its neighbours: +x, +y, +z, −x, −y, −z.
+const DIRECTIONS: usize = 6;
+/// Eight for each direction, one for each slice of the brick.
+pub(super) const WORDS: usize = DIRECTIONS * VOXELS / 64;
+
+/// A dual edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct DualEdge {
+    /// The smaller voxel, or of equal ones the lower.
+    pub(super) owner: Leaf,
+    /// The way to the other one.
+    pub(super) direction: usize,
+}
+
+impl DualEdge {
+    /// Between two voxels that share a face, from the lower to the upper one along `axis`.
+    #[inline]
+    pub(super) fn between(lower: Leaf, upper: Leaf, axis: usize) -> Self {
+        if upper.level < lower.level {
+            Self { owner: upper, direction: axis + 3 }
+        } else {
+            Self { owner: lower, direction: axis }
+        }
+    }
+
+    /// Where it is marked in the brick of its owner.
+    #[inline]
+    pub(super) fn slot(&self) -> usize {
+        VOXELS * self.direction + index_of(self.owner.base)
+    }
+}
+
+/// Which dual edges of a brick's own are cut.
+#[derive(Clone, Debug)]
+pub(super) struct Cuts {
+    /// Bit voxel + 512 direction.
+    bits: [u64; WORDS],
+    /// Set bits before each word.
+    before: [u16; WORDS],
+    /// Whether voxels of the brick that are larger than the finest have cut edges to others that are.
+    pub(super) has_large: bool,
+}
+
+impl Default for Cuts {
+    fn default() -> Self {
+        Self { bits: [0; WORDS], before: [0; WORDS], has_large: false }
+    }
+}
+
+impl Cuts {
+    /// Those of `wanted` bricks; `cuts` has those of all others.
+    pub(super) fn find<B: Voxels>(
+        cuts: &mut [Self],
+        grid: &Grid<B>,
+        wanted: impl Fn(usize) -> bool + Sync,
+    ) {
+        let far: Vec<Vec<DualEdge>> = cuts
+            .par_iter_mut()
+            .enumerate()
+            .filter(|&(number, _)| wanted(number))
+            .map(|(number, cuts)| cuts.mark_all(&Halo::new(grid, number)))
+            .collect();
+        for edge in far.iter().flatten() {
+            if let Some(number) = grid.number_at(edge.owner.base.map(|i| i / SIDE)) {
+                let cuts = &mut cuts[number as usize];
+                cuts.mark(edge);
+                cuts.number();
+            }
+        }
+    }
+
+    /// The number of the first edge of each brick, if all are numbered one after the other.
+    pub(super) fn firsts(cuts: &[Self]) -> Vec<u32> {
+        let mut n = 0;
+        let first = |cuts: &Self| {
+            n += cuts.count();
+            n - cuts.count()
+        };
+        cuts.iter().map(first).collect()
+    }
+
+    /// Marks those of a brick, and tells of edges whose owners are larger than bricks and begin in
+    /// another.
+    fn mark_all<B: Voxels>(&mut self, halo: &Halo<'_, B>) -> Vec<DualEdge> {
+        let cells = halo.cells();
+        let mut far = Vec::new();
+        let coarse = halo.own_coarse();
+        for axis in 0..3 {
+            for z in 0..SIDE as usize {
+                // The finest voxels own the edges to all that are not lower and as small.
+                self.bits[8 * axis + z] = cells.cut(0, z, axis) & !coarse[z];
+            }
+            if !halo.has_coarse {
+                continue;
+            }
+            let from_large = halo.cut_from_large(axis);
+            for z in 0..SIDE as usize {
+                self.bits[8 * (axis + 3) + z] = from_large[z] & !coarse[z];
+                // Of others their ends tell who is the owner.
+                let upwards = cells.large(0, z, axis);
+                for (is_up, mut rest) in [(true, upwards), (false, from_large[z] & coarse[z])] {
+                    self.has_large |= rest != 0;
+                    while rest != 0 {
+                        let bit = rest.trailing_zeros() as usize;
+                        rest &= rest - 1;
+                        let mut at = [1 + bit % 8, 1 + bit / 8, 1 + z];
+                        at[axis] -= usize::from(!is_up);
+                        let edge = halo.edge(at, axis);
+                        if halo.owns(edge.owner.base) {
+                            self.mark(&edge);
+                        } else if 1 << edge.owner.level > SIDE && far.last() != Some(&edge) {
+                            far.push(edge);
+                        }
+                    }
+                }
+            }
+        }
+        self.number();
+        far
+    }
+
+    fn mark(&mut self, edge: &DualEdge) {
+        let slot = edge.slot();
+        self.bits[slot / 64] |= 1 << (slot % 64);
+    }
+
+    /// Counts bits once edges are marked.
+    fn number(&mut self) {
+        let mut n = 0;
+        for (before, bits) in self.before.iter_mut().zip(&self.bits) {
+            *before = n;
+            n += bits.count_ones() as u16;
+        }
+    }
+
+    pub(super) fn count(&self) -> u32 {
+        u32::from(self.before[WORDS - 1]) + self.bits[WORDS - 1].count_ones()
+    }
+
+    /// The number of an edge among those of the brick.
+    #[inline]
+    pub(super) fn rank(&self, slot: usize) -> u32 {
+        let (word, bit) = (slot / 64, slot % 64);
+        debug_assert!(self.bits[word] >> bit & 1 == 1, "every cut edge was marked");
+        u32::from(self.before[word]) + (self.bits[word] & ((1 << bit) - 1)).count_ones()
+    }
+
+    /// Of every edge that is cut here or in another, in order, whether it is here and whether there.
+    pub(super) fn merge(&self, other: &Self, mut tell: impl FnMut(bool, bool)) {
+        for (&own, &others) in self.bits.iter().zip(&other.bits) {
+            let mut rest = own | others;
+            while rest != 0 {
+                let bit = rest & rest.wrapping_neg();
+                rest ^= bit;
+                tell(own & bit != 0, others & bit != 0);
+            }
+        }
+    }
+
+    /// Whether an edge of a voxel is cut.
+    pub(super) fn has_vertices_at(&self, voxel: usize) -> bool {
+        (0..DIRECTIONS).any(|k| self.bits[(VOXELS * k + voxel) / 64] >> (voxel % 64) & 1 == 1)
+    }
+
+    /// Calls `tell` with each cut edge of a word and its number, in order; `of` has bits for those
+    /// that are wanted.
+    #[inline]
+    pub(super) fn each(&self, word: usize, of: u64, mut tell: impl FnMut(usize, u32)) {
+        let bits = self.bits[word];
+        let mut rest = bits & of;
+        if rest == bits {
+            let mut rank = u32::from(self.before[word]);
+            while rest != 0 {
+                tell(rest.trailing_zeros() as usize, rank);
+                rest &= rest - 1;
+                rank += 1;
+            }
+            return;
+        }
+        while rest != 0 {
+            let bit = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            tell(bit, self.rank(64 * word + bit));
+        }
+    }
+}
