@@ -29,7 +29,7 @@ Examples:
   render turn.toml --frames 10-19            ten frames of a film
   render heart.toml --stats - | jq .         what was done, as JSON
   render gallery kummer                      a surface that comes with the program
-  render convert kolibri.jsurf -o kolibri.toml   a scene of another program's file
+  render convert a.jsurf -o a.toml           a scene of another program's file
 
 Exit codes:
   0 all went well · 1 something failed · 2 a scene or an argument is wrong · 130 interrupted
