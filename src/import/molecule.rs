@@ -8,7 +8,7 @@ use super::{Converted, Source, comments, elements::Element, header, quoted};
 use crate::diagnostic::Diagnostic;
 
 /// The most atoms: a scene file with more spheres is too large.
-const MAX_ATOMS: usize = 100_000;
+const MAX_ATOMS: usize = 80_000;
 
 /// Places farther out than this, in Ångström, are no atom's.
 pub(super) const FARTHEST: f64 = 1e6;
@@ -51,8 +51,7 @@ impl Style {
     pub(super) fn sticks(atoms: &[Atom], notes: &mut Vec<String>) -> Self {
         let mut bonds = bonds(atoms);
         if bonds.len() > MAX_BONDS {
-            let n = bonds.len();
-            notes.push(format!("of {n} bonds only {MAX_BONDS} are drawn"));
+            notes.push(format!("no more than {MAX_BONDS} bonds are drawn"));
             bonds.truncate(MAX_BONDS);
         }
         Self::Sticks(bonds)
@@ -168,7 +167,7 @@ pub(super) fn surfaces(scene: &mut String, atoms: &[Atom], style: &Style) {
     }
 }
 
-/// The ends of all bonds, in the order of the atoms along x.
+/// The ends of bonds, in the order of the atoms along x: all, or one more than are drawn.
 fn bonds(atoms: &[Atom]) -> Vec<[DVec3; 2]> {
     let mut order: Vec<&Atom> = atoms.iter().collect();
     order.sort_by(|a, b| a.place.x.total_cmp(&b.place.x));
@@ -184,6 +183,9 @@ fn bonds(atoms: &[Atom]) -> Vec<[DVec3; 2]> {
             let length = step.length();
             if (NEAREST..=reach + b.element.bond_radius).contains(&length) {
                 bonds.push([a.place, b.place]);
+                if bonds.len() > MAX_BONDS {
+                    return bonds;
+                }
             }
         }
     }
