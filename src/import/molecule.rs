@@ -99,7 +99,10 @@ pub(super) fn formula(atoms: &[Atom]) -> String {
         _ => 2,
     };
     counts.sort_by_key(|&(symbol, _)| (place(symbol), symbol));
-    let part = |(symbol, n)| if n == 1 { format!("{symbol}") } else { format!("{symbol}{n}") };
+    let part = |(symbol, n): (&str, usize)| match n {
+        1 => symbol.to_owned(),
+        _ => format!("{symbol}{n}"),
+    };
     counts.into_iter().map(part).collect::<Vec<_>>().join(" ")
 }
 

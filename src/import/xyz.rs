@@ -79,7 +79,7 @@ fn read(text: &str) -> Result<Frame<'_>, Vec<Diagnostic>> {
 fn atom(line: &str, at: &Range<usize>) -> Result<Option<Atom>, Diagnostic> {
     let mut words = line.split_ascii_whitespace();
     let name = words.next().unwrap_or_default();
-    let place = [(); 3].map(|()| words.next().and_then(|word| number(word)));
+    let place = [(); 3].map(|()| words.next().and_then(number));
     let [Some(x), Some(y), Some(z)] = place else {
         return Err(Diagnostic::new(at.clone(), "an atom has no place")
             .label("not an element and three numbers")
