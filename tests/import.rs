@@ -15,6 +15,7 @@ use zeroset::{
     import,
     pipeline::{self, Options},
     progress::Unwatched,
+    raster::Placement,
     scene::{self, Scene},
 };
 
@@ -119,8 +120,8 @@ fn things_are_where_surfer_shows_them() {
 
 #[test]
 fn surfaces_end_at_the_ball() {
-    let text = "surface_equation=z\nscale_factor=0.5\n\
-                surface_transform_matrix=1 0 0 0.5 0 1 0 -0.25 0 0 1 0 0 0 0 1\n";
+    let text = "surface_equation=z\n\
+                surface_transform_matrix=3 0 0 0.5 0 3 0 -0.25 0 0 3 0 0 0 0 1\n";
     let (mut scene, _) = converted("plane.jsurf", text);
     (scene.image.width, scene.image.height) = (100, 100);
     let options = Options { resolution: Some(64), ..Options::default() };
@@ -129,6 +130,31 @@ fn surfaces_end_at_the_ball() {
     // A disc that touches the picture's borders.
     let share = covered / 10_000.0 / std::f64::consts::FRAC_PI_4;
     assert!((share - 1.0).abs() < 0.02, "{share}");
+}
+
+#[test]
+fn what_surfer_writes_twice_counts_once() {
+    let turn = "0 0 1 0  1 0 0 0  0 1 0 0  0 0 0 1";
+    let scale = "2 0 0 0  0 2 0 0  0 0 2 0  0 0 0 1";
+    let formula = "surface_equation=x^2+y^2-z\n";
+    let first = format!("{formula}scale_factor=0.30103\nrotation_matrix={turn}\n");
+    let second = format!("{formula}surface_transform_matrix={scale}\ntransform_matrix={turn}\n");
+    let both = format!("{first}surface_transform_matrix={scale}\ntransform_matrix={turn}\n");
+    let scene = |text: &str| import::convert_text(Path::new("a.jsurf"), text.to_owned()).unwrap();
+    assert_eq!(scene(&first), scene(&both));
+    // Numbers differ after the sixth digit.
+    let loaded = |text: &str| scene::parse(Path::new("a.toml"), &scene(text).scene).unwrap();
+    let views = [&first, &second].map(|text| match loaded(text).view.placement {
+        Placement::LookAt { eye, .. } => eye,
+        Placement::Fit { .. } => panic!("the camera is not fixed"),
+    });
+    assert!(views[0].distance(views[1]) < 1e-5, "{views:?}");
+    assert!((views[0].length() - 2.0).abs() < 1e-5, "{views:?}");
+    let other = format!("{first}transform_matrix=0 1 0 0 0 0 1 0 1 0 0 0 0 0 0 1\n");
+    assert_eq!(
+        scene(&other).notes,
+        ["`transform_matrix` is ignored, as in Surfer, for `rotation_matrix`"]
+    );
 }
 
 #[test]

@@ -2,18 +2,19 @@
 //!
 //! Such a file holds properties. A point p of the camera's space (right, up, towards the viewer) is at
 //! T C⁻¹ p in the space of the ball of radius 1 around the origin, and at S T C⁻¹ p in that of the
-//! formula, where S is `surface_transform_matrix` times 10^`scale_factor`, T `transform_matrix` times
-//! `rotation_matrix` and C `camera_transform`. The scene is in the space of the formula.
+//! formula. C is `camera_transform`. T is `rotation_matrix`, or else `transform_matrix`, and S is
+//! 10^`scale_factor`, or else `surface_transform_matrix`: Surfer writes both and reads the first. The
+//! scene is in the space of the formula.
 //!
-//! *Based on:* what IMAGINARY's jsurf 0.3 makes of its files.
+//! *Based on:* what IMAGINARY's Surfer and jsurf 0.3 make of such files.
 
 use std::{collections::BTreeMap, fmt::Write as _};
 
 use glam::{DMat4, DVec3};
 
 use super::{
-    Converted, Source, comments, header, number, properties, quoted, similarity::Similarity,
-    snapped, values::Values, vector,
+    Converted, Source, camera::Lens, comments, header, number, properties, quoted,
+    similarity::Similarity, snapped, values::Values, vector,
 };
 use crate::{
     diagnostic::{Diagnostic, did_you_mean},
@@ -37,13 +38,16 @@ const MAX_SHIFT: f64 = 1e3;
 const DIFFUSE: f64 = 0.8;
 
 /// Keys without those of matrices, parameters, materials and lights.
-const KEYS: [&str; 6] = [
+const KEYS: [&str; 8] = [
     "surface_equation",
     "background_color",
     "camera_type",
     "camera_fov_y",
     "camera_height",
     "scale_factor",
+    // Surfer writes these, and nobody reads them.
+    "transform",
+    "surface_transform",
 ];
 
 /// What formulas may call.
@@ -233,16 +237,21 @@ impl<'a> File<'a> {
 
     /// `[domain]`, `[camera]` and `[[light]]`, which the matrices tell.
     fn space(&mut self) -> Option<String> {
-        let identity = DMat4::IDENTITY;
-        let exponent = self.values.number_in("scale_factor", -9.0..=9.0, 0.0);
-        let scale = libm::pow(10.0, exponent);
-        let formula_from_ball = self.values.matrix("surface_transform_matrix").unwrap_or(identity)
-            * DMat4::from_scale(DVec3::splat(scale));
-        let turned = self.values.matrix("transform_matrix").unwrap_or(identity)
-            * self.values.matrix("rotation_matrix").unwrap_or(identity);
-        // One step back, as Surfer's own files have it.
+        let formula_from_ball = match self.values.find("scale_factor") {
+            Some(_) => {
+                let exponent = self.values.number_in("scale_factor", -9.0..=9.0, 0.0);
+                let scale = DMat4::from_scale(DVec3::splat(libm::pow(10.0, exponent)));
+                self.one_of("surface_transform_matrix", "scale_factor", scale)
+            }
+            None => self.values.matrix("surface_transform_matrix").unwrap_or_default(),
+        };
+        let turned = match self.values.matrix("rotation_matrix") {
+            Some(turn) => self.one_of("transform_matrix", "rotation_matrix", turn),
+            None => self.values.matrix("transform_matrix").unwrap_or_default(),
+        };
+        let lens = self.lens();
         let camera = self.values.matrix("camera_transform");
-        let camera = camera.unwrap_or(DMat4::from_translation(DVec3::NEG_Z));
+        let camera = camera.unwrap_or(DMat4::from_translation(DVec3::NEG_Z * lens.distance()));
         let formula_from_camera = formula_from_ball * turned * camera.inverse();
         let [ball, view] = [formula_from_ball, formula_from_camera].map(Similarity::new);
         let (Some(ball), Some(view)) = (ball, view) else {
@@ -258,7 +267,11 @@ impl<'a> File<'a> {
             return None;
         }
         let mut text = ball.domain();
-        self.camera(&mut text, &ball, &view);
+        text.push_str(&lens.camera(&ball, &view));
+        if matches!(lens, Lens::Flat { .. }) && view.ahead(ball.shift) < 0.999 * ball.scale {
+            let hides = "Surfer hides what is behind it; here that shows";
+            self.notes.push(format!("the camera stands in the ball of the surface, and {hides}"));
+        }
         let middle = view.linear.inverse() * (ball.shift - view.shift);
         self.lights(&mut text, middle, ball.scale / view.scale);
         Some(text)
@@ -271,33 +284,23 @@ impl<'a> File<'a> {
         self.values.mistakes.push(mistake.help(help));
     }
 
-    fn camera(&mut self, text: &mut String, ball: &Similarity, view: &Similarity) {
+    /// `chosen`, which counts although there is another matrix.
+    fn one_of(&mut self, ignored: &str, instead: &str, chosen: DMat4) -> DMat4 {
+        if let Some(other) = self.values.matrix(ignored)
+            && !other.abs_diff_eq(chosen, SAME)
+            && !other.abs_diff_eq(DMat4::IDENTITY, SAME)
+        {
+            self.notes.push(format!("`{ignored}` is ignored, as in Surfer, for `{instead}`"));
+        }
+        chosen
+    }
+
+    fn lens(&mut self) -> Lens {
         let types = ["ORTHOGRAPHIC_CAMERA", "PERSPECTIVE_CAMERA"];
-        let is_flat = self.values.word("camera_type", types).unwrap_or(true);
-        let lens = match is_flat {
-            true => {
-                let height = self.values.number_in("camera_height", 1e-6..=1e6, 2.0) * view.scale;
-                format!("projection = \"orthographic\"\nheight = {}", number(height))
-            }
-            false => {
-                format!(
-                    "fov = {}",
-                    number(self.values.number_in("camera_fov_y", 0.1..=179.0, 60.0))
-                )
-            }
-        };
-        let forward = -view.axis(2);
-        let ahead = forward.dot(ball.shift - view.shift);
-        let target = view.shift + forward * if ahead > 0.0 { ahead } else { view.scale };
-        if is_flat && ahead < 0.999 * ball.scale {
-            let hides = "Surfer hides what is behind it; here that shows";
-            self.notes.push(format!("the camera stands in the ball of the surface, and {hides}"));
+        match self.values.word("camera_type", types).unwrap_or(true) {
+            true => Lens::Flat { height: self.values.number_in("camera_height", 1e-6..=1e6, 2.0) },
+            false => Lens::Wide { fov: self.values.number_in("camera_fov_y", 0.1..=179.0, 60.0) },
         }
-        let _ = writeln!(text, "\n[camera]\n{lens}");
-        for (key, place) in [("eye", view.shift), ("target", target)] {
-            let _ = writeln!(text, "{key} = {}", vector(snapped(place, ball.scale)));
-        }
-        let _ = writeln!(text, "up = {}", vector(snapped(view.axis(1), 1.0)));
     }
 
     /// The lights, of which the file says where they are in the camera's space; so are the ball's
@@ -344,3 +347,6 @@ const WHITE: &str = "\"#ffffff\"";
 
 /// From so many radii away, light comes nearly from the same side everywhere.
 const FAR: f64 = 20.0;
+
+/// By how much parts of matrices that are meant to be the same differ at most.
+const SAME: f64 = 1e-3;

@@ -2,6 +2,7 @@
 //!
 //! What a scene cannot say is left out, with a comment in the scene and a note to the user.
 
+mod camera;
 mod cube;
 mod elements;
 mod jsurf;

@@ -31,6 +31,11 @@ impl Similarity {
         self.linear.col(i).normalize()
     }
 
+    /// How far `place` is before a camera whose space this one leads out of.
+    pub(super) fn ahead(&self, place: DVec3) -> f64 {
+        self.axis(2).dot(self.shift - place)
+    }
+
     /// `[domain]` for the ball that the ball of radius 1 becomes.
     pub(super) fn domain(&self) -> String {
         let (middle, radius) = (snapped(self.shift, self.scale), self.scale);
