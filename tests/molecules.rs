@@ -342,9 +342,9 @@ proptest! {
 fn protein() -> String {
     let mut text = String::from("TITLE     BALL OF ATOMS\n");
     // A sequence that fills space evenly (M. Roberts, 2018).
-    let part =
-        |i: usize, axis: i32| (0.5 + i as f64 * 1.220_744_084_605_759_6_f64.powi(-axis)).fract();
-    let places = (0..).map(|i| [1, 2, 3].map(|axis| 60.0 * (part(i, axis) - 0.5)));
+    let steps = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
+    let place = |i: usize| steps.map(|step| 60.0 * ((0.5 + i as f64 * step).fract() - 0.5));
+    let places = (0..).map(place);
     let is_inside = |p: &[f64; 3]| p.iter().map(|c| c * c).sum::<f64>() < 28.8 * 28.8;
     for (i, [x, y, z]) in places.filter(is_inside).take(5_000).enumerate() {
         let element = ["C", "C", "C", "N", "O"][i % 5];
