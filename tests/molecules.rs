@@ -4,8 +4,10 @@
 
 use std::{fmt::Write as _, fs, path::Path, process::Command};
 
+use proptest::prelude::*;
 use tempfile::TempDir;
 use zeroset::{
+    Error,
     hrb::Tolerance,
     import,
     isosurface::isosurface,
@@ -220,7 +222,8 @@ fn converted(name: &str, text: &str) -> (Scene, Vec<String>) {
     let (folder, path) = file(name, text);
     let out = folder.path().join("scenes/a.toml");
     fs::create_dir(folder.path().join("scenes")).unwrap();
-    let converted = import::convert_to(&path, &out).unwrap();
+    let options = import::Options { scene: Some(out.clone()), has_sticks: false };
+    let converted = import::convert_with(&path, &options).unwrap();
     fs::write(&out, &converted.scene).unwrap();
     (scene::load(&out).unwrap(), converted.notes)
 }
@@ -297,13 +300,51 @@ fn readme_tells_what_can_be_done() {
     assert_eq!(scene::load(&path).unwrap().isosurfaces.len(), 2);
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// A damaged file is a scene, or is refused with reasons that mark places of the file.
+    #[test]
+    fn damaged_files_do_no_harm(
+        signs in prop::collection::vec((any::<usize>(), "[0-9eE.+\\-*A-Za-z \n\té°]"), 1..12),
+        cuts in prop::collection::vec(any::<usize>(), 0..4),
+        is_pdb: bool,
+    ) {
+        let (name, mut text) = match is_pdb {
+            true => ("a.pdb", protein().lines().take(12).collect::<Vec<_>>().join("\n")),
+            false => ("a.xyz", "3\nWater\nO 0 0 0.1\nH 0 0.7 -0.4\n1 0 -0.7 -0.4\n".to_owned()),
+        };
+        for (at, sign) in signs {
+            let at = text.floor_char_boundary(at % text.len());
+            text.insert_str(at, &sign);
+        }
+        for at in cuts {
+            let at = text.floor_char_boundary(at % text.len());
+            text.remove(at);
+        }
+        match import::convert_text(Path::new(name), text) {
+            Ok(converted) => {
+                let scene = scene::parse(Path::new("a.toml"), &converted.scene);
+                prop_assert!(scene.is_ok(), "{}\n{:?}", converted.scene, scene.err());
+            }
+            Err(Error::Scene(rejection)) => {
+                prop_assert!(!rejection.diagnostics.is_empty());
+                for mistake in &rejection.diagnostics {
+                    prop_assert!(rejection.sources.text.get(mistake.span.clone()).is_some());
+                }
+            }
+            Err(other) => prop_assert!(false, "{other}"),
+        }
+    }
+}
+
 /// A ball of atoms as close to each other as those of a protein: 5,000 of them.
 fn protein() -> String {
     let mut text = String::from("TITLE     BALL OF ATOMS\n");
     // A sequence that fills space evenly (M. Roberts, 2018).
-    let part =
-        |i: usize, axis: i32| (0.5 + i as f64 * 1.220_744_084_605_759_6_f64.powi(-axis)).fract();
-    let places = (0..).map(|i| [1, 2, 3].map(|axis| 60.0 * (part(i, axis) - 0.5)));
+    let steps = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_3];
+    let place = |i: usize| steps.map(|step| 60.0 * ((0.5 + i as f64 * step).fract() - 0.5));
+    let places = (0..).map(place);
     let is_inside = |p: &[f64; 3]| p.iter().map(|c| c * c).sum::<f64>() < 28.8 * 28.8;
     for (i, [x, y, z]) in places.filter(is_inside).take(5_000).enumerate() {
         let element = ["C", "C", "C", "N", "O"][i % 5];

@@ -226,6 +226,10 @@ struct ConvertArgs {
     #[arg(long, short, value_name = "SCENE.toml", value_parser = scene_file)]
     out: Option<PathBuf>,
 
+    /// Draw the atoms of molecules as small balls with bonds between them
+    #[arg(long)]
+    sticks: bool,
+
     /// Show no notes; only mistakes and failures
     #[arg(long, short, display_order = 100)]
     quiet: bool,
@@ -380,8 +384,9 @@ fn plan(line: CommandLine) -> Result<Plan, clap::Error> {
         Some(Subcommands::Yield(args)) => measure(args),
         Some(Subcommands::Gallery(args)) => exhibit(args),
         Some(Subcommands::Evaluate(args)) => Plan::Evaluate(evaluation(args)),
-        Some(Subcommands::Convert(ConvertArgs { file, out, quiet })) => {
-            Plan::Convert(Conversion { file, out, quiet })
+        Some(Subcommands::Convert(ConvertArgs { file, out, sticks, quiet })) => {
+            let options = import::Options { scene: out, has_sticks: sticks };
+            Plan::Convert(Conversion { file, options, quiet })
         }
         Some(Subcommands::Schema) => Plan::Schema,
         Some(Subcommands::Completions { shell }) => Plan::Print(completions(shell)),

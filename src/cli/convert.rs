@@ -3,14 +3,18 @@
 use std::{io::Write as _, path::PathBuf};
 
 use super::report;
-use crate::{Result, import, output};
+use crate::{
+    Result,
+    import::{self, Options},
+    output,
+};
 
 /// What to convert.
 #[derive(Debug)]
 pub(super) struct Conversion {
     pub(super) file: PathBuf,
-    /// Standard output if there is none.
-    pub(super) out: Option<PathBuf>,
+    /// With the scene to write; standard output if there is none.
+    pub(super) options: Options,
     pub(super) quiet: bool,
 }
 
@@ -26,12 +30,9 @@ pub(super) fn convert(conversion: &Conversion) -> u8 {
 }
 
 fn write(conversion: &Conversion) -> Result<()> {
-    let converted = match &conversion.out {
-        Some(path) => import::convert_to(&conversion.file, path)?,
-        None => import::convert(&conversion.file)?,
-    };
+    let converted = import::convert_with(&conversion.file, &conversion.options)?;
     let text = converted.scene.as_bytes();
-    match &conversion.out {
+    match &conversion.options.scene {
         Some(path) => output::write_file(path, |out| Ok(out.write_all(text)?))?,
         None => report::to_stdout(text)?,
     }

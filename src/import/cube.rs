@@ -7,7 +7,7 @@ use super::{
     Converted, Source, comments,
     elements::Element,
     header,
-    molecule::{Atom, Style, about, camera, formula, surfaces},
+    molecule::{Atom, FARTHEST, Style, about, camera, formula, surfaces},
     quoted,
 };
 use crate::volume::{CubeHeader, Refusal, Samples, Volume};
@@ -29,6 +29,9 @@ pub(super) fn import(source: &Source<'_>, name: &str) -> Result<Converted, Refus
     let (first, n) = (cube.orbitals[0], cube.orbitals.len());
     let volume = Volume::read_orbital(source.path, first)?;
     let surface = Isosurface::of(&volume).ok_or("none of its values differs from 0")?;
+    if let Some((_, place)) = cube.atoms.iter().find(|(_, p)| p.abs().max_element() > FARTHEST) {
+        return Err(format!("an atom stands at {place}, which is too far away"));
+    }
     let mut notes = Vec::new();
     if n > 1 {
         notes.push(format!("the file has {n} orbitals, of which number {first} is drawn"));
@@ -45,6 +48,7 @@ pub(super) fn import(source: &Source<'_>, name: &str) -> Result<Converted, Refus
     if n_ghosts > 0 {
         notes.push(format!("{n_ghosts} points that are no atoms are left out"));
     }
+    let style = Style::sticks(&atoms, &mut notes);
     let mut scene = header(source, "a Gaussian cube file");
     comments(&mut scene, &notes);
     scene.push_str("version = 1\n");
@@ -57,7 +61,7 @@ pub(super) fn import(source: &Source<'_>, name: &str) -> Result<Converted, Refus
         }
         let _ = writeln!(scene, "{range}\ncolor = \"{color}\"");
     }
-    surfaces(&mut scene, &atoms, Style::BallsAndSticks);
+    surfaces(&mut scene, &atoms, &style);
     camera(&mut scene, &atoms, 0.8);
     Ok(Converted { scene, notes })
 }

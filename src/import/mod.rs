@@ -36,10 +36,22 @@ pub struct Converted {
     pub notes: Vec<String>,
 }
 
+/// How a file becomes a scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// Where the scene will be: if it names the file, then as it is found from there; without it, as the
+    /// file was named.
+    pub scene: Option<PathBuf>,
+    /// Whether atoms are small balls with bonds between them.
+    pub has_sticks: bool,
+}
+
 /// What an importer reads.
 struct Source<'a> {
     path: &'a Path,
     text: &'a str,
+    /// Whether atoms are small balls with bonds between them.
+    has_sticks: bool,
 }
 
 /// A format that can be converted.
@@ -83,54 +95,50 @@ const fn named(ending: &'static str, what: &'static str, import: OfFile) -> Form
     Format { ending, what, max_bytes: 0, import: Import::Named(import) }
 }
 
-/// Makes a scene of the file at `path`; the ending of its name tells the format. If the scene names the
-/// file, then as `path` does.
+/// Makes a scene of the file at `path`; the ending of its name tells the format.
 ///
 /// # Errors
 /// The ending belongs to no format, or the file cannot be read, is too large or has mistakes.
 pub fn convert(path: &Path) -> Result<Converted> {
-    convert_as(path, &path.to_string_lossy())
+    convert_with(path, &Options::default())
 }
 
-/// As [`convert`], for a scene that will be the file `scene`: if it names the file at `path`, then as it is
-/// found from there.
+/// As [`convert`], with options.
 ///
 /// # Errors
 /// As [`convert`].
-pub fn convert_to(path: &Path, scene: &Path) -> Result<Converted> {
-    convert_as(path, &name_from(path, scene))
+pub fn convert_with(path: &Path, options: &Options) -> Result<Converted> {
+    let format = format(path)?;
+    let import = match format.import {
+        Import::Text(import) => return of_text(import, path, read(path, format)?, options),
+        Import::Named(import) => import,
+    };
+    let name = match &options.scene {
+        Some(scene) => name_from(path, scene),
+        None => path.to_string_lossy().into_owned(),
+    };
+    let source = Source { path, text: "", has_sticks: options.has_sticks };
+    import(&source, &name).map_err(|why| {
+        let message = format!("the file cannot be used: {why}");
+        rejected(path, String::new(), vec![Diagnostic::new(0..0, message)])
+    })
 }
 
 /// As [`convert`], with the text that the file holds. Nothing is read from disk.
 ///
 /// # Errors
-/// As [`convert`]; also if the file holds no text.
+/// As [`convert`]; also if such files are more than a text.
 pub fn convert_text(path: &Path, text: String) -> Result<Converted> {
     match format(path)?.import {
-        Import::Text(import) => of_text(import, path, text),
+        Import::Text(import) => of_text(import, path, text, &Options::default()),
         Import::Named(_) => {
             Err(Error::Unknown(format!("{} is looked at on disk alone", path.display())))
         }
     }
 }
 
-/// As [`convert`]; if the scene names the file, then as `name`.
-fn convert_as(path: &Path, name: &str) -> Result<Converted> {
-    let format = format(path)?;
-    match format.import {
-        Import::Text(import) => of_text(import, path, read(path, format)?),
-        Import::Named(import) => {
-            let converted = import(&Source { path, text: "" }, name);
-            converted.map_err(|why| {
-                let message = format!("the file cannot be used: {why}");
-                rejected(path, String::new(), vec![Diagnostic::new(0..0, message)])
-            })
-        }
-    }
-}
-
-fn of_text(import: OfText, path: &Path, text: String) -> Result<Converted> {
-    let converted = import(&Source { path, text: &text });
+fn of_text(import: OfText, path: &Path, text: String, options: &Options) -> Result<Converted> {
+    let converted = import(&Source { path, text: &text, has_sticks: options.has_sticks });
     converted.map_err(|diagnostics| rejected(path, text, diagnostics))
 }
 

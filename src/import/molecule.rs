@@ -8,7 +8,10 @@ use super::{Converted, Source, comments, elements::Element, header, quoted};
 use crate::diagnostic::Diagnostic;
 
 /// The most atoms: a scene file with more spheres is too large.
-const MAX_ATOMS: usize = 100_000;
+const MAX_ATOMS: usize = 80_000;
+
+/// Places farther out than this, in Ångström, are no atom's.
+pub(super) const FARTHEST: f64 = 1e6;
 
 /// The most bonds that are drawn; each is several operations of a formula.
 const MAX_BONDS: usize = 2_000;
@@ -35,12 +38,24 @@ pub(super) struct Atom {
 }
 
 /// How atoms are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Debug)]
 pub(super) enum Style {
     /// As large as they are.
     Spheres,
-    /// As small balls with bonds between them.
-    BallsAndSticks,
+    /// As small balls with bonds, of which these are the ends.
+    Sticks(Vec<[DVec3; 2]>),
+}
+
+impl Style {
+    /// Balls and sticks; there is a note if there are too many bonds.
+    pub(super) fn sticks(atoms: &[Atom], notes: &mut Vec<String>) -> Self {
+        let mut bonds = bonds(atoms);
+        if bonds.len() > MAX_BONDS {
+            notes.push(format!("no more than {MAX_BONDS} bonds are drawn"));
+            bonds.truncate(MAX_BONDS);
+        }
+        Self::Sticks(bonds)
+    }
 }
 
 /// A number with five digits after the point; files of molecules have fewer.
@@ -84,7 +99,10 @@ pub(super) fn formula(atoms: &[Atom]) -> String {
         _ => 2,
     };
     counts.sort_by_key(|&(symbol, _)| (place(symbol), symbol));
-    let part = |(symbol, n)| if n == 1 { format!("{symbol}") } else { format!("{symbol}{n}") };
+    let part = |(symbol, n): (&str, usize)| match n {
+        1 => symbol.to_owned(),
+        _ => format!("{symbol}{n}"),
+    };
     counts.into_iter().map(part).collect::<Vec<_>>().join(" ")
 }
 
@@ -93,13 +111,17 @@ pub(super) fn converted(
     (source, what): (&Source<'_>, &str),
     title: Option<&str>,
     atoms: &[Atom],
-    notes: Vec<String>,
+    mut notes: Vec<String>,
 ) -> Converted {
+    let style = match source.has_sticks {
+        true => Style::sticks(atoms, &mut notes),
+        false => Style::Spheres,
+    };
     let mut scene = header(source, what);
     comments(&mut scene, &notes);
     scene.push_str("version = 1\n");
     about(&mut scene, title, &format!("{}: {} atoms", formula(atoms), atoms.len()));
-    surfaces(&mut scene, atoms, Style::Spheres);
+    surfaces(&mut scene, atoms, &style);
     camera(&mut scene, atoms, 0.5);
     Converted { scene, notes }
 }
@@ -114,7 +136,7 @@ pub(super) fn about(scene: &mut String, title: Option<&str>, note: &str) {
 }
 
 /// Adds a surface for each element, water by itself, and one for the bonds.
-pub(super) fn surfaces(scene: &mut String, atoms: &[Atom], style: Style) {
+pub(super) fn surfaces(scene: &mut String, atoms: &[Atom], style: &Style) {
     let mut groups: Vec<(bool, &Element, Vec<&Atom>)> = Vec::new();
     for atom in atoms {
         let is_of = |&(is_water, element, _): &(bool, &Element, _)| {
@@ -128,8 +150,8 @@ pub(super) fn surfaces(scene: &mut String, atoms: &[Atom], style: Style) {
     groups.sort_by_key(|&(is_water, ..)| is_water);
     for (is_water, element, atoms) in groups {
         let of_water = if is_water { " of water" } else { "" };
-        let factor = if style == Style::Spheres { 1.0 } else { BALL };
-        let radius = decimal(factor * element.radius);
+        let part = if let Style::Spheres = style { 1.0 } else { BALL };
+        let radius = decimal(part * element.radius);
         let _ = writeln!(scene, "\n[[surface]]\nname = \"{}{of_water}\"", element.name);
         let _ = writeln!(scene, "color = \"#{:06x}\"\nspheres = [", element.color);
         for atom in atoms {
@@ -137,10 +159,8 @@ pub(super) fn surfaces(scene: &mut String, atoms: &[Atom], style: Style) {
         }
         scene.push_str("]\n");
     }
-    let sticks: Vec<String> = match style {
-        Style::Spheres => Vec::new(),
-        Style::BallsAndSticks => bonds(atoms).into_iter().take(MAX_BONDS).map(stick).collect(),
-    };
+    let Style::Sticks(bonds) = style else { return };
+    let sticks: Vec<String> = bonds.iter().copied().map(stick).collect();
     if !sticks.is_empty() {
         let sticks = sticks.join(" |\n  ");
         let _ = writeln!(
@@ -150,7 +170,7 @@ pub(super) fn surfaces(scene: &mut String, atoms: &[Atom], style: Style) {
     }
 }
 
-/// The ends of all bonds, in the order of the atoms along x.
+/// The ends of bonds, in the order of the atoms along x: all, or one more than are drawn.
 fn bonds(atoms: &[Atom]) -> Vec<[DVec3; 2]> {
     let mut order: Vec<&Atom> = atoms.iter().collect();
     order.sort_by(|a, b| a.place.x.total_cmp(&b.place.x));
@@ -166,6 +186,9 @@ fn bonds(atoms: &[Atom]) -> Vec<[DVec3; 2]> {
             let length = step.length();
             if (NEAREST..=reach + b.element.bond_radius).contains(&length) {
                 bonds.push([a.place, b.place]);
+                if bonds.len() > MAX_BONDS {
+                    return bonds;
+                }
             }
         }
     }

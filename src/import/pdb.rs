@@ -12,7 +12,7 @@ use super::{
     Converted, Source,
     elements::Element,
     lines,
-    molecule::{Atom, checked, converted},
+    molecule::{Atom, FARTHEST, checked, converted},
 };
 use crate::diagnostic::Diagnostic;
 
@@ -103,16 +103,21 @@ fn columns(line: &str, range: std::ops::RangeInclusive<usize>) -> &str {
     line.get(range.start() - 1..end).unwrap_or_default()
 }
 
+/// Where the `text` from a column on stands, or the line if there is none.
+fn place_of(first: usize, text: &str, at: &Range<usize>) -> Range<usize> {
+    let start = at.start + first - 1;
+    if text.is_empty() { at.clone() } else { start..start + text.len() }
+}
+
 fn record<'a>(line: &'a str, at: &Range<usize>) -> Result<Record<'a>, Diagnostic> {
     let mut place = [0.0; 3];
     for (axis, (coordinate, first)) in place.iter_mut().zip([31, 39, 47]).enumerate() {
         let text = columns(line, first..=first + 7);
         let number: Option<f64> = text.trim().parse().ok();
-        *coordinate = number.filter(|number| number.is_finite()).ok_or_else(|| {
-            let start = (at.start + first - 1).min(at.end);
+        *coordinate = number.filter(|number| number.abs() <= FARTHEST).ok_or_else(|| {
             let axis = ['x', 'y', 'z'][axis];
             Diagnostic::new(
-                start..start + text.len(),
+                place_of(first, text, at),
                 format!("an atom has no {axis} in columns {first} to {}", first + 7),
             )
             .help("lines of PDB files are cut into columns, not words: x, y and z stand in columns 31 to 54")
@@ -151,8 +156,7 @@ fn guessed(
     let of_two = Element::of_symbol(two.trim()).filter(|element| element.symbol.len() == 2);
     let of_one = || letters.get(..1).and_then(Element::of_symbol);
     of_two.filter(|_| may_be_two).or_else(of_one).ok_or_else(|| {
-        let start = (at.start + 12).min(at.end);
-        Diagnostic::new(start..start + name.len(), "the element of an atom is unknown")
+        Diagnostic::new(place_of(13, name, at), "the element of an atom is unknown")
             .label("neither in columns 77 to 78 nor in the name")
             .help("write its symbol into columns 77 to 78")
     })
@@ -187,7 +191,7 @@ mod tests {
     }
 
     fn convert(text: &str) -> Result<Converted, Vec<Diagnostic>> {
-        import(&Source { path: Path::new("a.pdb"), text })
+        import(&Source { path: Path::new("a.pdb"), text, has_sticks: false })
     }
 
     /// The elements of lines that begin so, without any in their columns.
@@ -272,7 +276,8 @@ mod tests {
             said("ATOM      1  CA  ALA A   1       1.000   2.0x0   3.000\n"),
             ("an atom has no y in columns 39 to 46".to_owned(), "   2.0x0".to_owned())
         );
-        assert_eq!(said("ATOM\n").0, "an atom has no x in columns 31 to 38");
+        let no_x = ("an atom has no x in columns 31 to 38".to_owned(), "ATOM".to_owned());
+        assert_eq!(said("ATOM\n"), no_x);
         let text = line("ATOM      1  ??  ALA A   1", 0.0, "");
         assert_eq!(
             said(&text),

@@ -9,7 +9,7 @@ use super::{
     Converted, Source,
     elements::Element,
     lines,
-    molecule::{Atom, checked, converted},
+    molecule::{Atom, FARTHEST, checked, converted},
 };
 use crate::diagnostic::Diagnostic;
 
@@ -79,7 +79,7 @@ fn read(text: &str) -> Result<Frame<'_>, Vec<Diagnostic>> {
 fn atom(line: &str, at: &Range<usize>) -> Result<Option<Atom>, Diagnostic> {
     let mut words = line.split_ascii_whitespace();
     let name = words.next().unwrap_or_default();
-    let place = [(); 3].map(|()| words.next().and_then(|word| number(word)));
+    let place = [(); 3].map(|()| words.next().and_then(number));
     let [Some(x), Some(y), Some(z)] = place else {
         return Err(Diagnostic::new(at.clone(), "an atom has no place")
             .label("not an element and three numbers")
@@ -106,10 +106,10 @@ fn atom(line: &str, at: &Range<usize>) -> Result<Option<Atom>, Diagnostic> {
 /// What stands for points that are no atoms.
 const GHOSTS: [&str; 5] = ["x", "xx", "du", "bq", "q"];
 
-/// A finite number, also as Fortran writes it.
+/// A coordinate, also as Fortran writes it.
 fn number(word: &str) -> Option<f64> {
     let number: Option<f64> = word.replace(['d', 'D'], "e").parse().ok();
-    number.filter(|number| number.is_finite())
+    number.filter(|number| number.abs() <= FARTHEST)
 }
 
 #[cfg(test)]
@@ -122,7 +122,7 @@ mod tests {
         "3\nwater\nO 0 0 0.119262\nH 0 0.763239 -0.477047 0.4\r\n1 0 -0.763239 -4.77047D-1\n";
 
     fn convert(text: &str) -> Result<Converted, Vec<Diagnostic>> {
-        import(&Source { path: Path::new("water.xyz"), text })
+        import(&Source { path: Path::new("water.xyz"), text, has_sticks: false })
     }
 
     fn mistake(text: &str) -> (String, String) {
