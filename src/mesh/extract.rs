@@ -19,7 +19,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::{
-    cases::{CASES, Case, N_EDGES, axis_of, faces_of, fan, lower_octant},
+    cases::{CASES, Case, Loop, N_EDGES, axis_of, lower_octant},
     grid::{Border, Grid, Leaf, RUN, SIDE, VOXELS, index_of},
     halo::{Halo, WIDTH},
 };
@@ -509,29 +509,15 @@ impl Edges<'_> {
             return;
         }
         for edges in &case.loops {
-            // Of a loop, vertices and the faces that they lie on.
-            let (mut vertices, mut faces) = ([0; N_EDGES], [0; N_EDGES]);
-            let mut n = 0;
-            for &edge in edges {
+            let collapsed = Loop::collapsed(edges, |edge| {
                 let (low, axis) = (lower_octant(edge.into()), axis_of(edge.into()));
                 let high = low | 1 << axis;
-                let vertex = if coarse & (1 << low | 1 << high) == 0 {
-                    number(edge)
-                } else {
-                    self.number(halo, &DualEdge::between(leaf(low), leaf(high), axis))
-                };
-                // Cells that are collapsed have the same edge several times.
-                if n == 0 || vertices[n - 1] != vertex {
-                    (vertices[n], faces[n]) = (vertex, 0);
-                    n += 1;
+                match coarse & (1 << low | 1 << high) {
+                    0 => number(edge),
+                    _ => self.number(halo, &DualEdge::between(leaf(low), leaf(high), axis)),
                 }
-                faces[n - 1] |= faces_of(edge.into());
-            }
-            if n > 1 && vertices[0] == vertices[n - 1] {
-                n -= 1;
-                faces[0] |= faces[n];
-            }
-            triangles.extend(fan(&faces[..n]).map(|triangle| triangle.map(|i| vertices[i])));
+            });
+            triangles.extend(collapsed.triangles());
         }
     }
 

@@ -12,6 +12,8 @@ mod check;
 mod crossings;
 mod cut;
 mod decimate;
+#[cfg(test)]
+mod degenerate;
 mod deviation;
 mod extract;
 mod fans;

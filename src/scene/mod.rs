@@ -38,7 +38,7 @@ pub use animation::Animation;
 pub use load::{load, load_volumes, load_with, parse, parse_with};
 pub use lower::MAX_RESOLUTION;
 pub use schema::schema;
-pub use sculpture::Carving;
+pub use sculpture::{Carved, Carving, FeltOf};
 pub use volume::Scan;
 
 use serde::Serialize;
@@ -69,6 +69,8 @@ pub struct Scene {
     pub isosurfaces: Arc<[Mesh]>,
     /// What tools carve; its last state is among models and isosurfaces, at their ends.
     pub carvings: Arc<[Carving]>,
+    /// What hands have felt that pushed tools into them.
+    pub felt: Arc<[FeltOf]>,
     /// The box that is searched, finite and not empty; one is found where there is none.
     pub domain: Option<Aabb>,
     /// Voxels along the domain's longest axis.
@@ -136,6 +138,8 @@ pub struct Outputs {
     pub ply: Option<PathBuf>,
     /// All frames of a film; the other files are then numbered.
     pub apng: Option<PathBuf>,
+    /// What hands have felt that pushed tools.
+    pub forces: Option<PathBuf>,
     /// Meshes of all surfaces.
     pub meshes: Vec<(MeshFormat, PathBuf)>,
 }

@@ -23,6 +23,9 @@ pub(in crate::scene) struct OutputSpec {
     pub(in crate::scene) ply: Option<Spanned<Target>>,
     /// False by default. True: NAME.apng, a film in one file.
     pub(in crate::scene) apng: Option<Spanned<Target>>,
+    /// False by default. True: NAME.csv, the forces that hands have felt which pushed tools into sculptures,
+    /// moment by moment.
+    pub(in crate::scene) forces: Option<Spanned<Target>>,
     /// False by default. True: NAME.glb, meshes of all surfaces as binary glTF.
     pub(in crate::scene) glb: Option<Spanned<Target>>,
     /// False by default. True: NAME.gltf, meshes as glTF in one text file.
