@@ -12,7 +12,7 @@ use crate::{
     meshing,
     octree::{Detail, Storage, StorageKind},
     output::{
-        self, exr,
+        self, exr, forces,
         meshes::{MeshOptions, write_meshes},
         ply, png,
     },
@@ -460,6 +460,17 @@ pub(crate) fn write(
             })
             .collect();
         write_one(name, &|out| ply::write(&points, lattice, out))?;
+    }
+    if let Some(name) = &scene.outputs.forces {
+        let pushes = scene.felt.iter().flat_map(|felt| {
+            felt.pushes.iter().map(|push| forces::Push {
+                sculpture: &felt.sculpture,
+                stroke: push.stroke,
+                moments: &push.moments,
+            })
+        });
+        let pushes: Vec<forces::Push<'_>> = pushes.collect();
+        write_one(name, &|out| forces::write(&pushes, out))?;
     }
     let MeshSettings { up, scale, unit, .. } = scene.mesh;
     let of_meshes = MeshOptions { up, scale, unit, scene: scene.name.clone() };

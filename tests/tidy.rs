@@ -28,7 +28,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("sculpt", &["eval", "expr", "hrb", "math", "mesh"]),
     ("polygons", &["files", "math"]),
     ("raster", &["eval", "expr", "math", "octree", "polygons", "progress", "voxelize"]),
-    ("output", &["math", "mesh", "octree", "raster"]),
+    ("output", &["math", "mesh", "octree", "raster", "sculpt"]),
     (
         "scene",
         &[

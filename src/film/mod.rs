@@ -185,7 +185,13 @@ pub fn numbers(scene: &Scene, options: &Options) -> Result<RangeInclusive<u32>> 
 /// As [`numbers`].
 pub fn outputs(scene: &Scene, options: &Options) -> Result<Vec<Outputs>> {
     let of_frame = |number| scene.outputs.of_frame(number, scene.n_frames());
-    let together =
-        Outputs { png: None, exr: None, ply: None, meshes: Vec::new(), ..scene.outputs.clone() };
+    let together = Outputs {
+        png: None,
+        exr: None,
+        ply: None,
+        forces: None,
+        meshes: Vec::new(),
+        ..scene.outputs.clone()
+    };
     Ok(numbers(scene, options)?.map(of_frame).chain([together]).collect())
 }

@@ -189,28 +189,25 @@ impl<V: Value> Change<'_, V> {
         let size = own.size().map(|n| n as u32);
         let builder = Builder { samples, size, tolerance: Tolerance::default() };
         let (mut built, _) = builder.brick([0; 3]);
-        // The largest regions that there may be, before or after.
-        let mut level = BRICK_LEVEL;
-        match (&mut *tree, &mut built) {
-            (Tree::Brick(old), Tree::Brick(new)) => {
-                level = old.largest().max(new.largest());
-                let other = old.divided_otherwise(new);
-                if other == 0 {
-                    // Who answers for what has not changed.
-                    new.corners = std::mem::take(&mut old.corners);
-                } else {
-                    let samples = parts(node.first, other).and(own);
-                    self.divisions.push(Division { samples, levels: 0..=level });
-                }
+        // The largest regions that there may be, before or after, and where they are others.
+        let (mut level, mut others) = (BRICK_LEVEL, *own);
+        if let (Tree::Brick(old), Tree::Brick(new)) = (&mut *tree, &mut built) {
+            level = old.largest().max(new.largest());
+            others = parts(node.first, old.divided_otherwise(new)).and(own);
+            if others.is_empty() {
+                // Who answers for what has not changed.
+                new.corners = std::mem::take(&mut old.corners);
             }
-            _ => self.divisions.push(Division { samples: *own, levels: 0..=level }),
         }
         *tree = built;
-        let whole = Samples {
+        if !others.is_empty() {
+            self.divisions.push(Division { samples: others, levels: 0..=level });
+        }
+        let changed = Samples {
             first: changed.first.map(|i| i >> level << level),
             end: changed.end.map(|i| (i + (1 << level) - 1) >> level << level),
         };
-        self.changes.bricks.push(whole.and(own));
+        self.changes.bricks.push(others.with(&changed.and(own)));
     }
 }
 

@@ -117,6 +117,44 @@ pub(super) fn fan(faces: &[u8]) -> impl Iterator<Item = [usize; 3]> + use<> {
     (1..n.saturating_sub(1)).map(move |i| [apex, (apex + i) % n, (apex + i + 1) % n])
 }
 
+/// A loop in a cell between voxels of which large ones count several times: cut edges between the same
+/// two voxels are one vertex.
+pub(super) struct Loop {
+    vertices: [u32; N_EDGES],
+    /// The faces that each vertex lies on, as bits.
+    faces: [u8; N_EDGES],
+    n: usize,
+}
+
+impl Loop {
+    /// What is left of cut edges one after the other, of which `vertex` tells the vertices.
+    #[inline]
+    pub(super) fn collapsed(edges: &[u8], vertex: impl Fn(u8) -> u32) -> Self {
+        let mut left = Self { vertices: [0; N_EDGES], faces: [0; N_EDGES], n: 0 };
+        let Self { vertices, faces, n } = &mut left;
+        for &edge in edges {
+            let vertex = vertex(edge);
+            // Cells that are collapsed have the same edge several times.
+            if *n == 0 || vertices[*n - 1] != vertex {
+                (vertices[*n], faces[*n]) = (vertex, 0);
+                *n += 1;
+            }
+            faces[*n - 1] |= faces_of(edge.into());
+        }
+        if *n > 1 && vertices[0] == vertices[*n - 1] {
+            *n -= 1;
+            faces[0] |= faces[*n];
+        }
+        left
+    }
+
+    /// Its triangles, if any are left.
+    #[inline]
+    pub(super) fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
+        fan(&self.faces[..self.n]).map(|corners| corners.map(|i| self.vertices[i]))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -19,7 +19,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::{
-    cases::{CASES, Case, N_EDGES, faces_of, fan},
+    cases::{CASES, Case, Loop},
     cells::CellBits,
     cuts::{Cuts, DualEdge, WORDS},
     grid::{Border, Grid, Leaf, RUN, SIDE, VOXELS, Voxels},
@@ -314,23 +314,8 @@ fn collapsed_cell<B: Voxels>(
     }
     let cell = cell_at(at);
     for edges in &case.loops {
-        // Of a loop, vertices and the faces that they lie on.
-        let (mut vertices, mut faces) = ([0; N_EDGES], [0; N_EDGES]);
-        let mut n = 0;
-        for &edge in edges {
-            let vertex = numbers.of(cell, STEPS_TO[usize::from(edge)]);
-            // Cells that are collapsed have the same edge several times.
-            if n == 0 || vertices[n - 1] != vertex {
-                (vertices[n], faces[n]) = (vertex, 0);
-                n += 1;
-            }
-            faces[n - 1] |= faces_of(edge.into());
-        }
-        if n > 1 && vertices[0] == vertices[n - 1] {
-            n -= 1;
-            faces[0] |= faces[n];
-        }
-        triangles.extend(fan(&faces[..n]).map(|triangle| triangle.map(|i| vertices[i])));
+        let vertex = |edge: u8| numbers.of(cell, STEPS_TO[usize::from(edge)]);
+        triangles.extend(Loop::collapsed(edges, vertex).triangles());
     }
 }
 

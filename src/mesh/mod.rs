@@ -14,6 +14,8 @@ mod crossings;
 mod cut;
 mod cuts;
 mod decimate;
+#[cfg(test)]
+mod degenerate;
 mod deviation;
 mod extract;
 mod fans;

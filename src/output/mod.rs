@@ -6,6 +6,7 @@
 pub mod apng;
 mod atomic;
 pub mod exr;
+pub mod forces;
 pub mod meshes;
 pub mod plot;
 pub mod ply;

@@ -148,14 +148,17 @@ impl Scene {
             return self;
         }
         let (mut models, mut meshes) = (self.models.to_vec(), self.isosurfaces.to_vec());
+        let mut felt = self.felt.to_vec();
         let n = self.carvings.len();
         let (n_models, n_meshes) = (models.len(), meshes.len());
         for (i, carving) in self.carvings.iter().enumerate().filter(|(_, it)| it.is_filmed) {
-            let (model, mesh) = carving.at(time);
-            models[n_models - n + i] = model;
-            meshes[n_meshes - n + i] = mesh;
+            let carved = carving.at(time);
+            models[n_models - n + i] = carved.model;
+            meshes[n_meshes - n + i] = carved.mesh;
+            felt[i] = carved.felt;
         }
         (self.models, self.isosurfaces) = (models.into(), meshes.into());
+        self.felt = felt.into();
         self
     }
 
@@ -198,6 +201,7 @@ impl Outputs {
             apng: None,
             sheet: None,
             layers: self.layers,
+            forces: self.forces.as_ref().map(numbered),
             meshes: self.meshes.iter().map(|(format, file)| (*format, numbered(file))).collect(),
         }
     }
@@ -211,7 +215,7 @@ impl Outputs {
     /// All files.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         let meshes = self.meshes.iter().map(|(_, file)| file);
-        let others = [&self.png, &self.exr, &self.ply, &self.apng, &self.sheet];
+        let others = [&self.png, &self.exr, &self.ply, &self.apng, &self.sheet, &self.forces];
         others.into_iter().flatten().chain(meshes)
     }
 }

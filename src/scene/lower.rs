@@ -16,6 +16,7 @@ use super::{
     color::linear,
     formula::Formula,
     leaf::{Background, Color, Detail, Number, Numbers, Target, Whole},
+    sculpture::FeltOf,
     spanned::Spanned,
     spec::{
         AboutSpec, DomainSpec, ImageSpec, SceneSpec, ScheduleSpec, Section, ShadeSpec, StorageSpec,
@@ -117,7 +118,10 @@ impl<'a> Lower<'a> {
         let n_before = spec.surfaces.len() + spec.models.len();
         let (of_volumes, isosurfaces) = self.volumes(&spec.volumes, n_before);
         let carvings = self.carvings(&spec.sculptures, n_before + spec.volumes.len());
-        let (of_carvings, carved) = self.carved(&spec.sculptures, &carvings);
+        let carved = self.carved(&spec.sculptures, &carvings);
+        let felt: Vec<FeltOf> = carved.iter().map(|carved| carved.felt.clone()).collect();
+        let (of_carvings, carved): (Vec<_>, Vec<_>) =
+            carved.into_iter().map(|carved| (carved.model, carved.mesh)).unzip();
         let (image, outputs) = (self.image(spec), self.outputs(name, spec));
         if let Some(sweep) = sweep.as_ref().filter(|_| outputs.sheet.is_some()) {
             self.check_sheet(sweep, &image, spec);
@@ -129,6 +133,7 @@ impl<'a> Lower<'a> {
             models: models.into_iter().chain(of_volumes).chain(of_carvings).collect(),
             isosurfaces: isosurfaces.into_iter().chain(carved).collect(),
             carvings: carvings.into(),
+            felt: felt.into(),
             domain: self.domain(&spec.domain),
             resolution: self.resolution(&spec.voxels.spec),
             is_auto: is_auto(&spec.voxels.spec),

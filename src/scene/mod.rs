@@ -40,7 +40,7 @@ pub use animation::Animation;
 pub use load::{load, load_volumes, load_with, parse, parse_with};
 pub use lower::MAX_RESOLUTION;
 pub use schema::schema;
-pub use sculpture::Carving;
+pub use sculpture::{Carved, Carving, FeltOf};
 pub use sweep::{Sweep, Swept};
 pub use volume::Scan;
 
@@ -73,6 +73,8 @@ pub struct Scene {
     pub isosurfaces: Arc<[Mesh]>,
     /// What tools carve; its last state is among models and isosurfaces, at their ends.
     pub carvings: Arc<[Carving]>,
+    /// What hands have felt that pushed tools into them.
+    pub felt: Arc<[FeltOf]>,
     /// The box that is searched, finite and not empty; one is found where there is none.
     pub domain: Option<Aabb>,
     /// Voxels along the domain's longest axis.
@@ -146,6 +148,8 @@ pub struct Outputs {
     pub apng: Option<PathBuf>,
     /// All frames of a sweep, side by side; the other files are then numbered.
     pub sheet: Option<PathBuf>,
+    /// What hands have felt that pushed tools.
+    pub forces: Option<PathBuf>,
     /// Meshes of all surfaces.
     pub meshes: Vec<(MeshFormat, PathBuf)>,
 }

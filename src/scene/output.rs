@@ -7,7 +7,7 @@ use super::{
     leaf::Target,
     lower::{Lower, is_auto},
     spanned::Spanned,
-    spec::{SceneSpec, UnitSpec, UpSpec, VertexSpec},
+    spec::{AdvanceSpec, SceneSpec, Section, StrokeSpec, UnitSpec, UpSpec, VertexSpec},
 };
 use crate::{
     diagnostic::Diagnostic,
@@ -62,6 +62,20 @@ impl Lower<'_> {
                     .help("remove it, or add [sweep] with parameters and their values"),
             );
         }
+        let pushes = |stroke: &Section<StrokeSpec>| {
+            let advance = stroke.spec.advance.as_ref().map(Spanned::get_ref);
+            advance == Some(&AdvanceSpec::Contact)
+        };
+        if let Some(forces) = &spec.forces
+            && *forces.get_ref() != Target::Switch(false)
+            && !scene.sculptures.iter().flat_map(|sculpture| &sculpture.spec.strokes).any(pushes)
+        {
+            self.errors.push(
+                Diagnostic::new(forces.span(), "`forces` are what pushed tools meet")
+                    .label("no stroke pushes its tool")
+                    .help("remove it, or add advance = \"contact\" to a [[sculpture.stroke]]"),
+            );
+        }
         let mut wished = |ending: &str, wish: Wish<'_>| {
             wish.and_then(|wish| self.file(&format!("{name}.{ending}"), Some(wish)))
         };
@@ -72,6 +86,7 @@ impl Lower<'_> {
         });
         let meshes = of_meshes.collect();
         let (ply, apng) = (wished("ply", spec.ply.as_ref()), wished("apng", spec.apng.as_ref()));
+        let forces = wished("csv", spec.forces.as_ref());
         let sheet = match scene.sweep {
             Some(_) => self.file(&format!("{name}.sheet.png"), spec.sheet.as_ref()),
             None => None,
@@ -83,6 +98,7 @@ impl Lower<'_> {
             ply,
             apng,
             sheet,
+            forces,
             meshes,
         }
     }

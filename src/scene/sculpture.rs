@@ -9,7 +9,10 @@ use super::{
     leaf::Numbers,
     lower::Lower,
     spanned::Spanned,
-    spec::{DeedSpec, FalloffSpec, MirrorSpec, PathSpec, SculptureSpec, Section, StrokeSpec},
+    spec::{
+        AdvanceSpec, DeedSpec, FalloffSpec, MirrorSpec, PathSpec, SculptureSpec, Section,
+        StrokeSpec,
+    },
     volume::polygons,
 };
 use crate::{
@@ -17,7 +20,7 @@ use crate::{
     math::Aabb,
     mesh::Mesh,
     raster::{Material, Model},
-    sculpt::{DEPTH, Deed, Falloff, Path, Piece, Plan, Shape, Stroke, Tool},
+    sculpt::{Contact, DEPTH, Deed, Falloff, Felt, Path, Piece, Plan, Shape, Stroke, Tool},
 };
 
 /// A sculpture of a scene.
@@ -30,16 +33,38 @@ pub struct Carving {
     pub is_filmed: bool,
 }
 
+/// What a sculpture is like at some time of the work.
+#[derive(Clone, Debug)]
+pub struct Carved {
+    /// As it is drawn.
+    pub model: Model,
+    /// As it is written.
+    pub mesh: Mesh,
+    /// What hands have felt.
+    pub felt: FeltOf,
+}
+
+/// What hands have felt that pushed tools into a sculpture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FeltOf {
+    /// The sculpture's name.
+    pub sculpture: String,
+    /// In order.
+    pub pushes: Vec<Felt>,
+}
+
 impl Carving {
     /// What it looks like when this part of the work is done, from 0 to 1.
     #[must_use]
-    pub fn at(&self, time: f64) -> (Model, Mesh) {
-        let n = (time * self.plan.n_pieces() as f64).round() as usize;
-        let mut mesh = self.plan.mesh(&self.plan.carved(n));
+    pub fn at(&self, time: f64) -> Carved {
+        let n = (time * self.plan.n() as f64).round() as usize;
+        let (sculpture, pushes) = self.plan.carved(n);
+        let mut mesh = self.plan.mesh(&sculpture);
         mesh.name.clone_from(&self.name);
         mesh.color = self.material.color;
         let (name, material) = (self.name.clone(), self.material);
-        (Model { name, polygons: polygons(&mesh), material }, mesh)
+        let felt = FeltOf { sculpture: name.clone(), pushes };
+        Carved { model: Model { name, polygons: polygons(&mesh), material }, mesh, felt }
     }
 }
 
@@ -85,8 +110,10 @@ impl Lower<'_> {
             Some(f) => Some(self.resolve_once(&self.formula(f))?.expr.tape()),
             None => None,
         };
-        let strokes: Vec<Vec<Stroke>> =
-            spec.strokes.iter().filter_map(|stroke| self.stroke(stroke, &bounds, size)).collect();
+        let strokes: Vec<Vec<Stroke>> = (1..)
+            .zip(&spec.strokes)
+            .filter_map(|stroke| self.stroke(stroke, &bounds, size))
+            .collect();
         if strokes.len() < spec.strokes.len() {
             return None;
         }
@@ -95,17 +122,17 @@ impl Lower<'_> {
         Some(Carving { name, material, plan: plan.into(), is_filmed })
     }
 
-    /// The sculptures when all is done, as polygons and as meshes.
+    /// The sculptures when all is done.
     pub(super) fn carved(
         &mut self,
         specs: &[Section<SculptureSpec>],
         carvings: &[Carving],
-    ) -> (Vec<Model>, Vec<Mesh>) {
-        let carved: Vec<(Model, Mesh)> = carvings.iter().map(|carving| carving.at(1.0)).collect();
+    ) -> Vec<Carved> {
+        let carved: Vec<Carved> = carvings.iter().map(|carving| carving.at(1.0)).collect();
         // After a mistake some are missing, and there is no picture.
         if carvings.len() == specs.len() {
-            for (section, (_, mesh)) in specs.iter().zip(&carved) {
-                if mesh.triangles.is_empty() {
+            for (section, Carved { mesh, .. }) in specs.iter().zip(&carved) {
+                if mesh.triangles.is_empty() && !section.is_damaged {
                     self.errors.push(
                         Diagnostic::new(section.span.clone(), "nothing is left of the sculpture")
                             .help(
@@ -115,13 +142,13 @@ impl Lower<'_> {
                 }
             }
         }
-        carved.into_iter().unzip()
+        carved
     }
 
     /// A stroke and its mirror image, if it has one, piece by piece.
     fn stroke(
         &mut self,
-        section: &Section<StrokeSpec>,
+        (number, section): (usize, &Section<StrokeSpec>),
         bounds: &Aabb,
         size: u32,
     ) -> Option<Vec<Stroke>> {
@@ -157,7 +184,8 @@ impl Lower<'_> {
                 Shape::Formula(Box::new(self.resolve_once(&formula)?.expr.tape()))
             }
         };
-        let deed = *deed.get_ref();
+        let contact = self.contact(spec, samples);
+        let (deed, at_deed) = (*deed.get_ref(), deed);
         let tool = |is_mirrored: bool| Tool {
             shape: shape.clone(),
             deed: match deed {
@@ -167,28 +195,34 @@ impl Lower<'_> {
                 DeedSpec::Cut => Deed::Cut,
                 DeedSpec::Smooth => Deed::Smooth,
                 DeedSpec::Drag => Deed::Drag,
-                DeedSpec::Twist => Deed::Twist {
-                    axis: flipped(
-                        axis.normalize_or(DVec3::Z),
-                        spec.mirror.filter(|_| is_mirrored),
-                        0.0,
-                    ),
-                    angle: if is_mirrored { -angle } else { angle },
-                },
+                DeedSpec::Inflate => Deed::Inflate,
+                DeedSpec::Twist | DeedSpec::Bend => {
+                    let mirror = spec.mirror.filter(|_| is_mirrored);
+                    let axis = flipped(axis.normalize_or(DVec3::Z), mirror, 0.0);
+                    let angle = if is_mirrored { -angle } else { angle };
+                    match deed {
+                        DeedSpec::Twist => Deed::Twist { axis, angle },
+                        _ => Deed::Bend { axis, angle },
+                    }
+                }
             },
             radius,
             strength: match deed {
                 DeedSpec::Smooth => strength,
                 _ => strength * radius / (2.0 * DEPTH),
             },
-            falloff: match spec.falloff.unwrap_or(FalloffSpec::Smooth) {
+            falloff: match spec.falloff.unwrap_or(match contact {
+                Some(_) => FalloffSpec::Hard,
+                None => FalloffSpec::Smooth,
+            }) {
                 FalloffSpec::Linear => Falloff::Linear,
                 FalloffSpec::Smooth => Falloff::Smooth,
                 FalloffSpec::Hard => Falloff::Hard,
             },
             range: [-DEPTH, DEPTH],
         };
-        let usual = if deed == DeedSpec::Drag { PathSpec::Line } else { PathSpec::Points };
+        let is_led = matches!(deed, DeedSpec::Drag | DeedSpec::Bend) || contact.is_some();
+        let usual = if is_led { PathSpec::Line } else { PathSpec::Points };
         let path = match spec.path.unwrap_or(usual) {
             PathSpec::Points => Path::Points,
             PathSpec::Line => Path::Line,
@@ -197,19 +231,64 @@ impl Lower<'_> {
         let to_samples = |p: &Numbers<3>| samples * (DVec3::from_array(p.0) - bounds.min);
         let places: Vec<DVec3> = at.get_ref().iter().map(to_samples).collect();
         let times = self.whole("times", spec.times.as_ref(), 1..=1000, 1);
-        let pieces = path.pieces(&places).repeat(times as usize);
-        let Some(mirror) = spec.mirror else {
-            return Some(vec![Stroke { tool: tool(false), pieces }]);
+        let pieces = path.pieces(&places);
+        let goes = pieces.iter().any(|piece| piece.from != piece.to);
+        if let Some(fault) = match (deed, contact) {
+            (DeedSpec::Bend, _) if !goes => Some(("a bend has an arm", BEND_HELP)),
+            (DeedSpec::Remove | DeedSpec::Cut, Some(_)) if goes => None,
+            (DeedSpec::Remove | DeedSpec::Cut, Some(_)) => {
+                Some(("a tool that is pushed goes somewhere", PUSH_HELP))
+            }
+            (_, Some(_)) => Some(("what is pushed takes away", "write do = \"remove\" or \"cut\"")),
+            _ => None,
+        } {
+            let (message, help) = fault;
+            self.errors.push(Diagnostic::new(at_deed.span(), message).help(help));
+            return None;
+        }
+        // Piece by piece with their images, unless a hand pushes.
+        let ways: Vec<Vec<Piece>> = match contact.is_some() || spec.mirror.is_none() {
+            true => vec![pieces],
+            false => pieces.into_iter().map(|piece| vec![piece]).collect(),
         };
         let middle = 0.5 * samples * bounds.size();
-        let flip = |p: DVec3| flipped(p, Some(mirror), 2.0 * middle[mirror as usize]);
-        let both = pieces.into_iter().flat_map(|piece| {
-            let image = Piece { from: flip(piece.from), to: flip(piece.to) };
-            [(false, piece), (true, image)]
-        });
-        Some(both.map(|(is, piece)| Stroke { tool: tool(is), pieces: vec![piece] }).collect())
+        let image = |piece: &Piece| {
+            let flip = |p: DVec3| match spec.mirror {
+                Some(mirror) => flipped(p, Some(mirror), 2.0 * middle[mirror as usize]),
+                None => p,
+            };
+            Piece { from: flip(piece.from), to: flip(piece.to) }
+        };
+        let stroke = |is_image: bool, way: &[Piece]| Stroke {
+            tool: tool(is_image),
+            pieces: if is_image { way.iter().map(image).collect() } else { way.to_vec() },
+            contact,
+            number,
+        };
+        let sides: &[bool] = if spec.mirror.is_some() { &[false, true] } else { &[false] };
+        let once = ways.iter().flat_map(|way| sides.iter().map(|&is| stroke(is, way)));
+        Some((0..times).flat_map(|_| once.clone()).collect())
+    }
+
+    /// How a stroke's tool is pushed, if it is.
+    fn contact(&mut self, spec: &StrokeSpec, samples: f64) -> Option<Contact> {
+        let step = spec.step.as_ref().map(|step| self.positive("step", step) * samples);
+        let stiffness = spec.stiffness.as_ref().map(|it| self.positive("stiffness", it));
+        let moments = self.whole("moments", spec.moments.as_ref(), 1..=100_000, 1000) as usize;
+        match spec.advance.as_ref().map(Spanned::get_ref) {
+            Some(AdvanceSpec::Contact) => Some(Contact {
+                // Ways would have too many moments.
+                step: step.unwrap_or(1.0).max(1e-3),
+                stiffness: stiffness.unwrap_or(1.0) / samples,
+                moments,
+            }),
+            _ => None,
+        }
     }
 }
+
+const BEND_HELP: &str = "add the place that its arm goes to, as in at = [[0, 0, 0], [1, 0, 0]]";
+const PUSH_HELP: &str = "add the places of its way, as in at = [[0, 0, 1], [0, 0, 0]]";
 
 /// The mirror image of a place, with the plane at half of `twice`.
 fn flipped(mut p: DVec3, mirror: Option<MirrorSpec>, twice: f64) -> DVec3 {

@@ -1,4 +1,4 @@
-//! Carving by contact: a tool is pushed along a line, and moves on only when nothing solid is left in
+//! Carving by contact: a tool is pushed along its way, and moves on only when nothing solid is left in
 //! it. How far it lags behind the hand that pushes it is felt as a force.
 //!
 //! *Based on:* A. León Salas, 2008, section 4.2.1 (no active cell may remain in the voxels inside the
@@ -12,14 +12,12 @@ use crate::hrb::{Samples, Value};
 /// How a tool is pushed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// The way of the hand; lengths in samples.
-    pub way: Piece,
-    /// How far the hand goes in a moment.
+    /// How far the hand goes in a moment, in samples.
     pub step: f64,
     /// Force for each sample that the tool lags behind.
     pub stiffness: f64,
     /// Moments at most; the hand waits at the end of its way.
-    pub moments: u32,
+    pub moments: usize,
 }
 
 /// What happened in a moment.
@@ -33,27 +31,35 @@ pub struct Moment {
     pub force: f64,
 }
 
+impl Contact {
+    /// Moments in which the hand gets to the end of its way.
+    #[must_use]
+    pub fn n(&self, way: &[Piece]) -> usize {
+        (length(way) / self.step).ceil() as usize
+    }
+}
+
 impl<V: Value> Sculpture<V> {
     /// Pushes a tool along its way until it is at the end and nothing solid is in it, or moments run
     /// out.
-    pub fn push(&mut self, tool: &Tool, contact: &Contact) -> Vec<Moment> {
-        let Contact { way, step, stiffness, moments } = *contact;
-        let length = way.from.distance(way.to);
-        let along = (way.to - way.from).normalize_or_zero();
+    pub fn push(&mut self, tool: &Tool, way: &[Piece], contact: &Contact) -> Vec<Moment> {
+        let Contact { step, stiffness, moments } = *contact;
+        let length = length(way);
         let (mut hand, mut at) = (0.0_f64, 0.0_f64);
         let mut told = Vec::new();
         for _ in 0..moments {
             hand = (hand + step).min(length);
-            let place = way.from + at * along;
+            let place = place(way, at);
             self.apply(tool, &Piece { from: place, to: place });
-            if !self.is_solid_in(tool, place) {
-                if at >= length {
-                    told.push(Moment { hand, tool: at, force: stiffness * (hand - at) });
-                    break;
-                }
+            let is_free = !self.is_solid_in(tool, place);
+            let is_done = is_free && at >= length;
+            if is_free {
                 at = (at + step).min(hand);
             }
             told.push(Moment { hand, tool: at, force: stiffness * (hand - at) });
+            if is_done {
+                break;
+            }
         }
         told
     }
@@ -67,6 +73,9 @@ impl<V: Value> Sculpture<V> {
             end: corner((place + tool.radius).ceil() + 1.0),
         }
         .and(&whole);
+        if samples.is_empty() {
+            return false;
+        }
         let depths = tool.depths(&Piece { from: place, to: place }, &samples);
         let values = self.octree().values(&samples);
         values
@@ -74,4 +83,20 @@ impl<V: Value> Sculpture<V> {
             .zip(depths)
             .any(|(value, depth)| depth > 0.0 && value.to_f64() >= self.isovalue())
     }
+}
+
+fn length(way: &[Piece]) -> f64 {
+    way.iter().map(|piece| piece.from.distance(piece.to)).sum()
+}
+
+/// The place so far from the beginning of a way, or its end.
+fn place(way: &[Piece], mut far: f64) -> DVec3 {
+    for piece in way {
+        let length = piece.from.distance(piece.to);
+        if far < length {
+            return piece.from + far / length * (piece.to - piece.from);
+        }
+        far -= length;
+    }
+    way.last().map_or(DVec3::ZERO, |piece| piece.to)
 }

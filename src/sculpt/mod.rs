@@ -16,5 +16,5 @@ mod work;
 pub use contact::{Contact, Moment};
 pub use live::Sculpture;
 pub use path::{Path, Piece};
-pub use plan::{DEPTH, Plan, Stroke};
+pub use plan::{DEPTH, Felt, Plan, Stroke};
 pub use tool::{Deed, Falloff, Shape, Tool};

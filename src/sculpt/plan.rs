@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Piece, Sculpture, Tool};
+use super::{Contact, Moment, Piece, Sculpture, Tool};
 use crate::{
     eval::sampler,
     expr::Tape,
@@ -22,6 +22,26 @@ pub struct Stroke {
     pub tool: Tool,
     /// In samples from the first corner.
     pub pieces: Vec<Piece>,
+    /// How it is pushed along all of them, if it is not simply led.
+    pub contact: Option<Contact>,
+    /// Which stroke of the script it is part of.
+    pub number: usize,
+}
+
+/// What a hand has felt.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Felt {
+    /// Which stroke of the script it is.
+    pub stroke: usize,
+    /// From moment to moment; lengths in the scene's.
+    pub moments: Vec<Moment>,
+}
+
+impl Stroke {
+    /// In how many parts it can be shown.
+    fn n(&self) -> usize {
+        self.contact.map_or(self.pieces.len(), |contact| contact.n(&self.pieces))
+    }
 }
 
 /// See the file's text.
@@ -54,22 +74,37 @@ impl Plan {
         Self { start, bounds, step, strokes }
     }
 
-    /// How many pieces all strokes have.
+    /// In how many parts all strokes can be shown.
     #[must_use]
-    pub fn n_pieces(&self) -> usize {
-        self.strokes.iter().map(|stroke| stroke.pieces.len()).sum()
+    pub fn n(&self) -> usize {
+        self.strokes.iter().map(Stroke::n).sum()
     }
 
-    /// The sculpture after the first `n` pieces.
+    /// The sculpture after the first `n` parts, and what hands have felt.
     #[must_use]
-    pub fn carved(&self, n: usize) -> Sculpture<f32> {
+    pub fn carved(&self, mut n: usize) -> (Sculpture<f32>, Vec<Felt>) {
         let mut sculpture = Sculpture::new(self.start.clone(), 0.0, Border::Capped);
-        let pieces = self
-            .strokes
-            .iter()
-            .flat_map(|Stroke { tool, pieces }| pieces.iter().map(move |piece| (tool, piece)));
-        pieces.take(n).for_each(|(tool, piece)| sculpture.apply(tool, piece));
-        sculpture
+        let mut felt = Vec::new();
+        for stroke in &self.strokes {
+            let Stroke { tool, pieces, contact, number } = stroke;
+            let own = stroke.n().min(n);
+            n -= own;
+            let Some(contact) = contact else {
+                pieces.iter().take(own).for_each(|piece| sculpture.apply(tool, piece));
+                continue;
+            };
+            // The hand waits for the tool once it is at its end.
+            let moments = if own == stroke.n() { contact.moments } else { own };
+            let moments = contact.moments.min(moments);
+            let told = sculpture.push(tool, pieces, &Contact { moments, ..*contact });
+            let of_scene = |moment: &Moment| Moment {
+                hand: moment.hand * self.step,
+                tool: moment.tool * self.step,
+                force: moment.force,
+            };
+            felt.push(Felt { stroke: *number, moments: told.iter().map(of_scene).collect() });
+        }
+        (sculpture, felt)
     }
 
     /// The mesh of a sculpture of this plan, in scene coordinates.

@@ -36,17 +36,19 @@ fn check(sculpture: &Sculpture<Fixed8>, border: Border) -> Result<(), TestCaseEr
 }
 
 fn tool(kind: u64, radius: f64, strength: f64) -> Tool {
-    let deed = match kind % 7 {
+    let deed = match kind % 9 {
         0 => Deed::Add,
         1 => Deed::Remove,
         2 => Deed::Fill,
         3 => Deed::Cut,
         4 => Deed::Smooth,
         5 => Deed::Twist { axis: DVec3::Z, angle: 1.0 },
+        6 => Deed::Bend { axis: DVec3::Z, angle: 0.7 },
+        7 => Deed::Inflate,
         _ => Deed::Drag,
     };
-    let shape = if (kind / 7).is_multiple_of(2) { Shape::Ball } else { Shape::Cube };
-    let falloff = [Falloff::Linear, Falloff::Smooth, Falloff::Hard][(kind / 14 % 3) as usize];
+    let shape = if (kind / 9).is_multiple_of(2) { Shape::Ball } else { Shape::Cube };
+    let falloff = [Falloff::Linear, Falloff::Smooth, Falloff::Hard][(kind / 18 % 3) as usize];
     Tool { shape, deed, radius, strength, falloff, range: [0.0, 255.0] }
 }
 
@@ -156,9 +158,9 @@ fn volume(sculpture: &Sculpture<f32>) -> f64 {
     extraction.triangles.iter().map(of).sum()
 }
 
-/// Tools that only move what is there.
+/// Twists, drags, bends, and what is inflated at the cost of what is around.
 #[test]
-fn twists_and_drags_keep_the_volume() {
+fn tools_that_move_keep_the_volume() {
     let n = 112;
     let before = round(n);
     let (whole, middle) = (volume(&before), DVec3::splat(f64::from(n) / 2.0));
@@ -177,6 +179,14 @@ fn twists_and_drags_keep_the_volume() {
             tool(Deed::Drag, 24.0),
             Piece { from: middle + 25.0 * DVec3::Z, to: middle + 33.0 * DVec3::Z },
         ),
+        (
+            tool(Deed::Bend { axis: DVec3::Z, angle: 0.8 }, 52.0),
+            Piece { from: middle, to: middle + DVec3::X },
+        ),
+        (
+            Tool { strength: 0.5, ..tool(Deed::Inflate, 26.0) },
+            Piece { from: middle + 30.0 * DVec3::Z, to: middle + 30.0 * DVec3::Z },
+        ),
     ];
     for (tool, piece) in ways {
         let mut sculpture = before.clone();
@@ -185,6 +195,60 @@ fn twists_and_drags_keep_the_volume() {
         let part = volume(&sculpture) / whole;
         assert!((part - 1.0).abs() < 1e-3, "{:?}: {part}", tool.deed);
     }
+}
+
+/// The arm of a bar turns about its hinge; the other half stays.
+#[test]
+fn a_bend_turns_the_arm() {
+    let n = 80;
+    let middle = DVec3::splat(40.0);
+    let all = Samples { first: [0; 3], end: [n; 3] };
+    let bar = |p: [u32; 3]| {
+        let q = (DVec3::from_array(p.map(f64::from)) + 0.5 - middle).abs();
+        (6.0 - q.y.max(q.z)).min(32.0 - q.x).clamp(-DEPTH, DEPTH) as f32
+    };
+    let samples: Vec<f32> = all.iter().map(bar).collect();
+    let octree = HrbOctree::build(&samples, [n; 3], Tolerance::default());
+    let mut sculpture = Sculpture::new(octree, 0.0, Border::Capped);
+    let tool = Tool {
+        shape: Shape::Ball,
+        deed: Deed::Bend { axis: DVec3::Z, angle: 0.5 },
+        radius: 38.0,
+        strength: 1.0,
+        falloff: Falloff::Smooth,
+        range: [-DEPTH, DEPTH],
+    };
+    sculpture.apply(&tool, &Piece { from: middle, to: middle + DVec3::X });
+    let is_solid = |p: DVec3| sculpture.octree().value_at(p.to_array()) > 0.0;
+    let turned = 18.0 * DVec3::new(libm::cos(0.5), libm::sin(0.5), 0.0);
+    let beside = 9.0 * DVec3::new(-libm::sin(0.5), libm::cos(0.5), 0.0);
+    assert!(is_solid(middle + turned), "the arm turns");
+    assert!(!is_solid(middle + turned + beside) && !is_solid(middle + turned - beside));
+    assert!(is_solid(middle - 18.0 * DVec3::X), "the other half stays");
+    assert!(!is_solid(middle - 18.0 * DVec3::X + 9.0 * DVec3::Y));
+}
+
+/// What is inflated rises in the middle and sinks around.
+#[test]
+fn what_is_inflated_comes_from_around() {
+    let n = 112;
+    let middle = DVec3::splat(f64::from(n) / 2.0);
+    let mut sculpture = round(n);
+    let top = middle + 30.0 * DVec3::Z;
+    let depth = |sculpture: &Sculpture<f32>, p: DVec3| sculpture.octree().value_at(p.to_array());
+    let ring = middle + 18.0 * DVec3::X + 27.0 * DVec3::Z;
+    let before = [depth(&sculpture, top), depth(&sculpture, ring)];
+    let tool = Tool {
+        shape: Shape::Ball,
+        deed: Deed::Inflate,
+        radius: 26.0,
+        strength: 0.4,
+        falloff: Falloff::Smooth,
+        range: [-DEPTH, DEPTH],
+    };
+    sculpture.apply(&tool, &Piece { from: top, to: top });
+    assert!(depth(&sculpture, top) > before[0] + 2.0, "it rises in the middle");
+    assert!(depth(&sculpture, ring) < before[1], "it sinks around");
 }
 
 /// A tool pushed into a block waits until it has eaten what is in it, and lags behind the hand.
@@ -204,10 +268,14 @@ fn a_pushed_tool_waits_for_the_block() {
         range: [0.0, 255.0],
     };
     let middle = f64::from(n) / 2.0;
-    let way =
-        Piece { from: DVec3::new(44.0, middle, middle), to: DVec3::new(10.0, middle, middle) };
-    let contact = Contact { way, step: 1.0, stiffness: 2.0, moments: 400 };
-    let moments = block.push(&tool, &contact);
+    let place = |x| DVec3::new(x, middle, middle);
+    // The way has a joint.
+    let way = [
+        Piece { from: place(44.0), to: place(30.0) },
+        Piece { from: place(30.0), to: place(10.0) },
+    ];
+    let contact = Contact { step: 1.0, stiffness: 2.0, moments: 400 };
+    let moments = block.push(&tool, &way, &contact);
     let last = moments.last().unwrap();
     assert_eq!((last.tool, last.force), (34.0, 0.0), "it gets to the end");
     // In the air there is no force; in the block there is, by Hooke's law.

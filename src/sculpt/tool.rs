@@ -55,6 +55,17 @@ pub enum Deed {
     },
     /// Drags what is in a ball along its way, by a flow without sources: no volume is lost.
     Drag,
+    /// Bends what is in a ball about the beginning of its way: what lies towards its end turns about an
+    /// axis by this many radians. No volume is lost.
+    Bend {
+        /// Of length 1; what it has along the way does not count.
+        axis: DVec3,
+        /// In radians.
+        angle: f64,
+    },
+    /// Adds its field in the inner half of its depth, and takes from the surface in the outer half what
+    /// has come in: no volume is won.
+    Inflate,
 }
 
 /// A tool, with lengths in samples.

@@ -10,6 +10,9 @@ use crate::hrb::{Samples, Value, join_around};
 /// or cut, so that the mesh is smooth there.
 const RAMP: f64 = 8.0;
 
+/// Halvings that find an amount more closely than values are kept.
+const HALVINGS: usize = 30;
+
 impl<V: Value> Sculpture<V> {
     /// Lets a tool do its deed along a piece of its way.
     pub fn apply(&mut self, tool: &Tool, piece: &Piece) {
@@ -18,7 +21,10 @@ impl<V: Value> Sculpture<V> {
             return;
         }
         let values = match tool.deed {
-            Deed::Twist { .. } | Deed::Drag => self.moved(tool, piece, &samples),
+            Deed::Twist { .. } | Deed::Drag | Deed::Bend { .. } => {
+                self.moved(tool, piece, &samples)
+            }
+            Deed::Inflate => self.inflated(tool, piece, &samples),
             _ => self.worked(tool, piece, &samples),
         };
         self.set(&samples, &values);
@@ -31,8 +37,10 @@ impl<V: Value> Sculpture<V> {
             _ => 0.0,
         };
         let reach = tool.radius + margin;
-        let first = (piece.from.min(piece.to) - reach - 0.5).floor().max(DVec3::ZERO);
-        let end = (piece.from.max(piece.to) + reach + 0.5).ceil().max(DVec3::ZERO);
+        // A bend stays where it begins.
+        let to = if matches!(tool.deed, Deed::Bend { .. }) { piece.from } else { piece.to };
+        let first = (piece.from.min(to) - reach - 0.5).floor().max(DVec3::ZERO);
+        let end = (piece.from.max(to) + reach + 0.5).ceil().max(DVec3::ZERO);
         let box_of = |p: DVec3| p.to_array().map(|c| c.min(f64::from(u32::MAX / 2)) as u32);
         Samples { first: box_of(first), end: box_of(end) }.and(&self.octree().samples())
     }
@@ -74,6 +82,48 @@ impl<V: Value> Sculpture<V> {
         values
     }
 
+    /// New values where a tool inflates: as much is taken around as keeps the volume.
+    fn inflated(&self, tool: &Tool, piece: &Piece, samples: &Samples) -> Vec<V> {
+        let [low, high] = tool.range;
+        let (isovalue, slope) = (self.isovalue(), (high - low) / RAMP);
+        let old = self.octree().values(samples);
+        // What each sample wins and what it may lose.
+        let fields = |depth: f64| {
+            let t = 2.0 * depth.clamp(0.0, 0.5);
+            let ring = 4.0 * t * (1.0 - t);
+            (tool.falloff.of(2.0 * depth - 1.0), ring * ring)
+        };
+        let touched: Vec<(usize, f64, (f64, f64))> = tool
+            .depths(piece, samples)
+            .into_iter()
+            .enumerate()
+            .filter(|&(_, depth)| depth > 0.0)
+            .map(|(i, depth)| (i, old[i].to_f64(), fields(depth)))
+            .collect();
+        let new = |won: f64, lost: f64, (value, (inner, outer)): (f64, (f64, f64))| {
+            (value + won * inner - lost * outer).clamp(low, high)
+        };
+        // In samples, of which those at the surface count in part.
+        let volume = |won: f64, lost: f64| -> f64 {
+            let part = |value: f64| ((value - isovalue) / slope + 0.5).clamp(0.0, 1.0);
+            touched.iter().map(|&(_, value, fields)| part(new(won, lost, (value, fields)))).sum()
+        };
+        let before = volume(0.0, 0.0);
+        let amount = tool.strength * (high - low);
+        // If too little can be taken, less is added.
+        let is_too_much = |won: f64, lost: f64| volume(won, lost) > before;
+        let won = match is_too_much(amount, amount) {
+            true => most(amount, |won| !is_too_much(won, amount)),
+            false => amount,
+        };
+        let lost = most(amount, |lost| is_too_much(won, lost));
+        let mut values = old;
+        for &(i, value, fields) in &touched {
+            values[i] = V::from_f64(new(won, lost, (value, fields)));
+        }
+        values
+    }
+
     /// Of each sample the mean of the 27 around, as far as they are there.
     fn means(&self, samples: &Samples) -> Vec<f64> {
         let whole = self.octree().samples();
@@ -84,4 +134,14 @@ impl<V: Value> Sculpture<V> {
         let n = |p: [u32; 3]| Samples { first: p, end: p.map(|i| i + 1) }.grown(1).and(&around).n();
         samples.iter().map(|p| sums[around.index(p)] / n(p) as f64).collect()
     }
+}
+
+/// The most, up to a bound, of which something is true that is true of less.
+fn most(bound: f64, is: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = (0.0, bound);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if is(middle) { low = middle } else { high = middle }
+    }
+    low
 }

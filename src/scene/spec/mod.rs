@@ -24,7 +24,7 @@ pub(super) use picture::{
     AnimationSpec, AxesSpec, CameraSpec, ImageSpec, KeySpec, LightSpec, ProjectionSpec, ShadeSpec,
 };
 pub(super) use sculpture::{
-    DeedSpec, FalloffSpec, MirrorSpec, PathSpec, SculptureSpec, StrokeSpec,
+    AdvanceSpec, DeedSpec, FalloffSpec, MirrorSpec, PathSpec, SculptureSpec, StrokeSpec,
 };
 pub(super) use space::{DomainSpec, ScheduleSpec, StorageSpec, VoxelsSpec};
 pub(super) use surface::{BlendSpec, Inside, PaletteSpec, SurfaceSpec};

@@ -25,6 +25,9 @@ pub(in crate::scene) struct OutputSpec {
     pub(in crate::scene) apng: Option<Spanned<Target>>,
     /// True by default for sweeps: NAME.sheet.png, all frames in one picture, with captions.
     pub(in crate::scene) sheet: Option<Spanned<Target>>,
+    /// False by default. True: NAME.csv, the forces that hands have felt which pushed tools into sculptures,
+    /// moment by moment.
+    pub(in crate::scene) forces: Option<Spanned<Target>>,
     /// False by default. True: NAME.glb, meshes of all surfaces as binary glTF.
     pub(in crate::scene) glb: Option<Spanned<Target>>,
     /// False by default. True: NAME.gltf, meshes as glTF in one text file.
