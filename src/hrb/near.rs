@@ -141,7 +141,7 @@ impl Beyond {
         if zs >> z & 1 == 1 {
             return u64::MAX;
         }
-        (0..8).fold(0, |slice, y| slice | (xs | 0xff * (ys >> y & 1)) << (8 * y))
+        (0..8).fold(0, |slice, y| slice | (xs | (0xff * (ys >> y & 1))) << (8 * y))
     }
 
     /// What is true of each voxel's like.
