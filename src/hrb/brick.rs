@@ -112,11 +112,13 @@ impl<V: Value> Brick<V> {
         [2, 1, 0].into_iter().find(|&level| self.has_level(level)).unwrap_or(0)
     }
 
-    /// Bit c: its part of 4³ samples number c is divided otherwise than that of another brick.
-    pub(super) fn divided_otherwise(&self, other: &Self) -> u8 {
-        let twos = (self.twos ^ other.twos).to_le_bytes();
-        let differs = |c: usize| (self.fours ^ other.fours) >> c & 1 == 1 || twos[c] != 0;
-        (0..8).fold(0, |parts, c| parts | u8::from(differs(c)) << c)
+    /// Bit 8c + d: its part d of 2³ samples of part c of 4³ is divided otherwise than that of another
+    /// brick, or within another.
+    pub(super) fn divided_otherwise(&self, other: &Self) -> u64 {
+        let fours = self.fours ^ other.fours;
+        (0..8).fold(self.twos ^ other.twos, |parts, c| {
+            parts | if fours >> c & 1 == 1 { 0xff << (8 * c) } else { 0 }
+        })
     }
 
     /// Whether a region of this level, below a brick's, is in it.

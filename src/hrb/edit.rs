@@ -211,13 +211,17 @@ impl<V: Value> Change<'_, V> {
     }
 }
 
-/// The box of some parts, as bits, of 4³ samples of the brick that begins there.
-fn parts(first: [u32; 3], parts: u8) -> Samples {
-    let part = |c: u32| {
-        let first = [0, 1, 2].map(|axis| first[axis] + 4 * (c >> axis & 1));
-        Samples { first, end: first.map(|i| i + 4) }
-    };
-    (0..8).filter(|c| parts >> c & 1 == 1).fold(Samples::NONE, |all, c| all.with(&part(c)))
+/// The box of some parts, as bits in Morton order, of 2³ samples of the brick that begins there.
+fn parts(first: [u32; 3], mut parts: u64) -> Samples {
+    let mut all = Samples::NONE;
+    while parts != 0 {
+        let m = parts.trailing_zeros();
+        parts &= parts - 1;
+        let first =
+            [0, 1, 2].map(|axis| first[axis] + 2 * (m >> axis & 1) + 4 * (m >> (axis + 3) & 1));
+        all = all.with(&Samples { first, end: first.map(|i| i + 2) });
+    }
+    all
 }
 
 impl<V: Value> Node<V> {

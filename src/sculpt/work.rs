@@ -61,21 +61,25 @@ impl<V: Value> Sculpture<V> {
             let first = [samples.first[0], samples.first[1], samples.first[2] + z as u32];
             let end = [samples.end[0], samples.end[1], first[2] + 1];
             let depths = tool.depths(piece, &Samples { first, end });
-            let values = values.iter_mut().zip(depths).enumerate();
-            for (i, (value, depth)) in values {
-                let old = value.to_f64();
-                let new = match tool.deed {
-                    Deed::Fill => old.max((isovalue + ramp(depth)).clamp(low, high)),
-                    Deed::Cut => old.min((isovalue - ramp(depth)).clamp(low, high)),
-                    _ if depth <= 0.0 => continue,
-                    Deed::Smooth => {
-                        let part = (tool.strength * tool.falloff.of(depth)).min(1.0);
-                        old + part * (means[nx * ny * z + i] - old)
-                    }
-                    Deed::Remove => old - amount * tool.falloff.of(depth),
-                    _ => old + amount * tool.falloff.of(depth),
-                };
-                *value = V::from_f64(new.clamp(low, high));
+            let field = |depth: f64| amount * tool.falloff.of(depth);
+            match tool.deed {
+                Deed::Fill => each(values, &depths, |_, old, depth| {
+                    old.max((isovalue + ramp(depth)).clamp(low, high)).clamp(low, high)
+                }),
+                Deed::Cut => each(values, &depths, |_, old, depth| {
+                    old.min((isovalue - ramp(depth)).clamp(low, high)).clamp(low, high)
+                }),
+                _ => each_inside(values, &depths, |i, old, depth| {
+                    let new = match tool.deed {
+                        Deed::Smooth => {
+                            let part = (tool.strength * tool.falloff.of(depth)).min(1.0);
+                            old + part * (means[nx * ny * z + i] - old)
+                        }
+                        Deed::Remove => old - field(depth),
+                        _ => old + field(depth),
+                    };
+                    new.clamp(low, high)
+                }),
             }
         };
         values.par_chunks_mut(nx * ny).enumerate().for_each(work);
@@ -133,6 +137,24 @@ impl<V: Value> Sculpture<V> {
         join_around(&mut sums, around.size(), |sum, beside| *sum += beside);
         let n = |p: [u32; 3]| Samples { first: p, end: p.map(|i| i + 1) }.grown(1).and(&around).n();
         samples.iter().map(|p| sums[around.index(p)] / n(p) as f64).collect()
+    }
+}
+
+/// Gives every value another, by its number, itself and how deep it is in a tool.
+#[inline]
+fn each<V: Value>(values: &mut [V], depths: &[f64], new: impl Fn(usize, f64, f64) -> f64) {
+    for (i, (value, &depth)) in values.iter_mut().zip(depths).enumerate() {
+        *value = V::from_f64(new(i, value.to_f64(), depth));
+    }
+}
+
+/// The same for those that are in the tool.
+#[inline]
+fn each_inside<V: Value>(values: &mut [V], depths: &[f64], new: impl Fn(usize, f64, f64) -> f64) {
+    for (i, (value, &depth)) in values.iter_mut().zip(depths).enumerate() {
+        if depth > 0.0 {
+            *value = V::from_f64(new(i, value.to_f64(), depth));
+        }
     }
 }
 
