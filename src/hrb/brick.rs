@@ -22,7 +22,7 @@ pub(super) struct Brick<V> {
 }
 
 /// Where the samples of a brick, in Morton order, stand in it, x fastest.
-pub(super) const PLACES: [u16; VOXELS] = {
+pub(super) static PLACES: [u16; VOXELS] = {
     let mut places = [0; VOXELS];
     let mut m = 0;
     while m < VOXELS {
