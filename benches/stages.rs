@@ -11,7 +11,7 @@ use zeroset::{
     octree::{Detail, MortonOctree},
     output::{exr, png},
     progress::Unwatched,
-    raster::{self, Camera, Coloring, Drawn, Frame, Layer, Source},
+    raster::{self, Camera, Coloring, Contents, Drawn, Frame, Layer, Source},
     scene::{self, Scene},
     voxelize::{Settings, voxelize},
 };
@@ -52,10 +52,11 @@ fn draw(scene: &Scene, lattice: &Lattice, octree: &MortonOctree) -> Frame {
         coloring: &Coloring::Plain,
         tape: Some(&tape),
     }];
-    let content = Drawn { voxels: vec![(octree, lattice)], outlines: &[], models: &[] };
+    let content = Drawn { voxels: vec![(octree, lattice)], ..Drawn::default() };
     let camera = Camera::new(&scene.view, 1.0, &content);
     let simd = SimdLevel::detect();
-    raster::render(&layers, &[], &camera, &scene.image, simd, &Unwatched).unwrap().0
+    let contents = Contents { layers: &layers, ..Contents::default() };
+    raster::render(&contents, &camera, &scene.image, simd, &Unwatched).unwrap().0
 }
 
 #[divan::bench(args = SCENES)]

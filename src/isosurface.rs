@@ -1,16 +1,130 @@
-//! Isosurfaces of volumes as meshes: regions, their dual grid, and normals from the samples.
+//! Isosurfaces of volumes: regions, which are drawn as they are, or their dual grid as a mesh; normals
+//! come from the samples.
 
-use glam::{DMat3, DVec3, Vec3};
+use std::{fmt, sync::OnceLock};
+
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use crate::{
-    hrb::{HrbOctree, Tolerance},
-    mesh::{Border, Crossing, Extraction, Mesh, extract},
+    hrb::{self, HrbOctree, Tolerance, Value},
+    mesh::{Border, Crossing, Extraction, Mesh, extract, offset},
+    raster::Field,
     volume::{Volume, with_samples},
 };
+
+/// What a volume has at an isovalue and above. Its octree is built when it is first needed.
+#[derive(Debug)]
+pub struct Isosurface {
+    volume: Volume,
+    isovalue: f64,
+    tolerance: Tolerance,
+    border: Border,
+    octree: OnceLock<Box<dyn Regions>>,
+}
+
+impl Isosurface {
+    /// Of a volume in which samples are alike within a tolerance.
+    #[must_use]
+    pub fn new(volume: Volume, isovalue: f64, tolerance: Tolerance, border: Border) -> Self {
+        Self { volume, isovalue, tolerance, border, octree: OnceLock::new() }
+    }
+
+    /// The volume.
+    #[must_use]
+    pub fn volume(&self) -> &Volume {
+        &self.volume
+    }
+
+    /// The surface in scene coordinates.
+    #[must_use]
+    pub fn mesh(&self) -> Mesh {
+        mesh(&self.volume, self.octree(), self.isovalue, self.border)
+    }
+
+    fn octree(&self) -> &dyn Regions {
+        &**self.octree.get_or_init(|| octree(&self.volume, self.tolerance))
+    }
+}
+
+impl Field for Isosurface {
+    fn size(&self) -> [u32; 3] {
+        self.volume.size
+    }
+
+    fn placing(&self) -> DAffine3 {
+        self.volume.placing
+    }
+
+    fn is_capped(&self) -> bool {
+        self.border == Border::Capped
+    }
+
+    fn bricks(&self) -> Vec<[u32; 3]> {
+        self.octree().bricks(self.isovalue, self.border)
+    }
+
+    fn values(&self, first: [u32; 3], end: [u32; 3]) -> Vec<f32> {
+        self.octree().offsets(&hrb::Samples { first, end }, self.isovalue)
+    }
+
+    fn original_values(&self, first: [u32; 3], end: [u32; 3]) -> Vec<f32> {
+        let samples = hrb::Samples { first, end };
+        samples.iter().map(|p| offset(self.volume.value(p), self.isovalue)).collect()
+    }
+}
 
 /// The surface in a volume where samples are `isovalue`; what is more is inside. In scene coordinates.
 #[must_use]
 pub fn isosurface(volume: &Volume, isovalue: f64, tolerance: Tolerance, border: Border) -> Mesh {
+    mesh(volume, &*octree(volume, tolerance), isovalue, border)
+}
+
+/// An octree of values of any kind.
+pub(crate) trait Regions: fmt::Debug + Send + Sync {
+    /// The bricks near an isosurface, counted from 0.
+    fn bricks(&self, isovalue: f64, border: Border) -> Vec<[u32; 3]>;
+
+    /// How far samples are above the isovalue, x fastest.
+    fn offsets(&self, samples: &hrb::Samples, isovalue: f64) -> Vec<f32>;
+
+    /// The mesh of an isosurface; `vertex` gives places and normals.
+    fn extraction(
+        &self,
+        isovalue: f64,
+        border: Border,
+        vertex: &(dyn Fn(&Crossing) -> Vertex + Sync),
+    ) -> Extraction<Vertex>;
+}
+
+/// Its place and its normal.
+pub(crate) type Vertex = ([f32; 3], [f32; 3]);
+
+impl<V: Value> Regions for HrbOctree<V> {
+    fn bricks(&self, isovalue: f64, border: Border) -> Vec<[u32; 3]> {
+        self.grid(isovalue, border).bricks_of_voxels()
+    }
+
+    fn offsets(&self, samples: &hrb::Samples, isovalue: f64) -> Vec<f32> {
+        self.values(samples).into_iter().map(|value| offset(value.to_f64(), isovalue)).collect()
+    }
+
+    fn extraction(
+        &self,
+        isovalue: f64,
+        border: Border,
+        vertex: &(dyn Fn(&Crossing) -> Vertex + Sync),
+    ) -> Extraction<Vertex> {
+        extract(&self.grid(isovalue, border), vertex)
+    }
+}
+
+fn octree(volume: &Volume, tolerance: Tolerance) -> Box<dyn Regions> {
+    with_samples!(&volume.samples, |samples| {
+        Box::new(HrbOctree::build(samples, volume.size, tolerance))
+    })
+}
+
+fn mesh(volume: &Volume, octree: &dyn Regions, isovalue: f64, border: Border) -> Mesh {
     let matrix = volume.placing.matrix3;
     let is_mirrored = matrix.determinant() < 0.0;
     let normals_by = matrix.inverse().transpose();
@@ -18,10 +132,7 @@ pub fn isosurface(volume: &Volume, isovalue: f64, tolerance: Tolerance, border: 
         let point = volume.placing.transform_point3(DVec3::from_array(crossing.point()));
         (point.as_vec3().to_array(), normal(volume, crossing, normals_by))
     };
-    let Extraction { vertices, triangles } = with_samples!(&volume.samples, |samples| {
-        let octree = HrbOctree::build(samples, volume.size, tolerance);
-        extract(&octree.grid(isovalue, border), vertex)
-    });
+    let Extraction { vertices, triangles } = octree.extraction(isovalue, border, &vertex);
     let (positions, normals) = vertices.into_iter().unzip();
     let mut mesh = Mesh { positions, normals, triangles, ..Mesh::default() };
     if is_mirrored {

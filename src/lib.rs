@@ -102,6 +102,7 @@ pub mod progress;
 pub mod raster;
 pub mod scene;
 pub mod sculpt;
+mod solids;
 pub mod statistics;
 pub mod volume;
 pub mod voxelize;

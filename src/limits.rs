@@ -115,6 +115,23 @@ impl Memory {
         )))
     }
 
+    /// Whether solids of samples fit beside a picture that take so many bytes with their octrees.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] if they do not.
+    pub fn check_solids(&self, needed: u64, image: &ImageSettings) -> Result<()> {
+        let room = self.room(image);
+        if needed <= room {
+            return Ok(());
+        }
+        Err(Error::Limit(format!(
+            "the volumes and sculptures need {} with their octrees, and {} are what they may take: give \
+             more with --max-memory, or lower `size` in [[sculpture]]",
+            mebibytes(needed),
+            mebibytes(room),
+        )))
+    }
+
     /// How many voxels fit beside a picture, at most what 32 bits count.
     #[must_use]
     pub fn max_voxels(

@@ -5,15 +5,16 @@ use crate::{
     math::{Lattice, SimdLevel},
     mesh::{self, FormulaSettings, Mesh},
     octree::Storage,
-    scene::{MeshSettings, Scene},
+    scene::{MeshSettings, Scene, Shape},
     statistics,
 };
 
-/// The meshes of all surfaces that have voxels, then those of volumes, in the order of the scene, and
-/// their numbers.
+/// The meshes of all surfaces that have voxels, then those of solids, which have these `shapes`, in the
+/// order of the scene, and their numbers.
 pub fn meshes(
     scene: &Scene,
     storages: &[Box<dyn Storage>],
+    shapes: &[Shape<'_>],
     lattice: &Lattice,
     simd: SimdLevel,
 ) -> (Vec<Mesh>, Vec<statistics::Mesh>) {
@@ -40,7 +41,12 @@ pub fn meshes(
         mesh.color = surface.material.color;
         finish(mesh, Some(&tape));
     }
-    scene.isosurfaces.iter().for_each(|mesh| finish(mesh.clone(), None));
+    for (solid, shape) in scene.solids.iter().zip(shapes) {
+        let mut mesh = shape.mesh();
+        mesh.name.clone_from(&solid.name);
+        mesh.color = solid.material.color;
+        finish(mesh, None);
+    }
     (meshes, numbers)
 }
 

@@ -17,8 +17,10 @@ use crate::{
         ply, png,
     },
     progress::{Progress, Unwatched},
-    raster::{self, Camera, Drawn, Frame, Layer, OnDemandCount, Shade, Source},
+    raster::{self, Camera, Contents, Drawn, Frame, Layer, OnDemandCount, Shade, Source},
     scene::{MeshSettings, Scene, Surface},
+    sculpt::Felt,
+    solids,
     statistics::{self, Boxes, DomainBox, Statistics, Times, Voxels, hex},
     voxelize::{self, BLOCK_LEVELS, Effort, Outline, Precision, Schedule, Settings, Voxelization},
 };
@@ -67,6 +69,8 @@ pub struct Picture {
     pub storages: Vec<Box<dyn Storage>>,
     /// The meshes of surfaces, if files of them are written.
     pub meshes: Vec<Mesh>,
+    /// What hands have felt that pushed tools, for each solid of the scene.
+    pub felt: Vec<Vec<Felt>>,
     /// Numbers.
     pub statistics: Statistics,
     /// What the user should know about how the scene was understood.
@@ -146,16 +150,25 @@ fn render_with_all_threads(
     memory.check_image(&scene.image)?;
     let mut notes = Vec::new();
     let lattice = choose_lattice(scene, options.resolution, simd, &mut notes);
+    let is_frame = camera.is_some();
+
+    let start = Instant::now();
+    let shapes = solids::shapes(scene, &memory, progress)?;
+    let drawn = solids::drawn(scene, &shapes, progress)?;
+    if let Some(error) = solids::nothing_of(scene, &drawn).filter(|_| !is_frame) {
+        return Err(error);
+    }
+    let sample = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
     let outlines = outlines(scene, &lattice, simd)?;
-    let is_frame = camera.is_some();
     if !is_frame && scene.needs_surfaces() && outlines.iter().all(Outline::is_empty) {
         return Err(nothing_found(scene, &lattice, simd));
     }
-    let drawn = Drawn { voxels: Vec::new(), outlines: &outlines, models: &scene.models };
+    let content =
+        Drawn { outlines: &outlines, models: &scene.models, solids: &drawn, ..Drawn::default() };
     let camera =
-        camera.cloned().unwrap_or_else(|| Camera::new(&scene.view, scene.image.aspect(), &drawn));
+        camera.cloned().unwrap_or_else(|| Camera::new(&scene.view, scene.image.aspect(), &content));
 
     let is_visible_only = is_visible_only(scene, options, &lattice);
     let whole = if is_visible_only {
@@ -180,7 +193,7 @@ fn render_with_all_threads(
     let start = Instant::now();
     let (meshes, of_meshes) = match scene.outputs.meshes.is_empty() {
         true => (Vec::new(), Vec::new()),
-        false => meshing::meshes(scene, &whole.storages, &lattice, simd),
+        false => meshing::meshes(scene, &whole.storages, &shapes, &lattice, simd),
     };
     notes.extend(of_meshes.iter().flat_map(|numbers| meshing::notes(numbers, &scene.mesh)));
     let mesh = start.elapsed().as_secs_f64();
@@ -209,9 +222,10 @@ fn render_with_all_threads(
         tape: Some(&tapes[i]),
     };
     let layers: Vec<Layer<'_>> = (0..scene.surfaces.len()).map(layer).collect();
+    let contents = Contents { layers: &layers, models: &scene.models, solids: &drawn };
     let is_wanted = is_frame || options.find_all || scene.outputs.has_picture();
     let (frame, seen) = match is_wanted {
-        true => raster::render(&layers, &scene.models, &camera, &scene.image, simd, progress)?,
+        true => raster::render(&contents, &camera, &scene.image, simd, progress)?,
         false => (Frame::filled(0, 0, [0.0; 4]), OnDemandCount::default()),
     };
     let rasterize = start.elapsed().as_secs_f64();
@@ -243,11 +257,12 @@ fn render_with_all_threads(
         precision: Precision::for_lattice(&lattice).name(),
         simd: simd.name(),
         threads: rayon::current_num_threads(),
-        time_s: Times { voxelize, rasterize, mesh, write: 0.0 },
+        time_s: Times { sample, voxelize, rasterize, mesh, write: 0.0 },
         peak_memory_bytes: limits::peak_memory_bytes(),
     };
     let storages = whole.storages;
-    Ok(Picture { frame, camera, lattice, storages, meshes, statistics, notes })
+    let felt = shapes.iter().map(|shape| shape.felt().to_vec()).collect();
+    Ok(Picture { frame, camera, lattice, storages, meshes, felt, statistics, notes })
 }
 
 /// All voxels of all surfaces.
@@ -364,7 +379,7 @@ pub(crate) fn choose_lattice(
     simd: SimdLevel,
     notes: &mut Vec<String>,
 ) -> Lattice {
-    let domain = scene.domain.or_else(|| scene.bounds_of_models()).unwrap_or_else(|| {
+    let domain = scene.domain.or_else(|| scene.bounds_without_surfaces()).unwrap_or_else(|| {
         let surfaces = scene.surfaces.iter().map(|s| (&s.name, &s.expr));
         let (domain, note) = advice::choose_domain(surfaces, simd);
         notes.push(note);
@@ -430,7 +445,7 @@ pub(crate) fn write(
     picture: &Picture,
     progress: &dyn Progress,
 ) -> Result<Vec<PathBuf>> {
-    let Picture { frame, lattice, storages, meshes, .. } = picture;
+    let Picture { frame, lattice, storages, meshes, felt, .. } = picture;
     let mut written = Vec::new();
     let mut write_one =
         |name: &PathBuf, write: &dyn Fn(&mut output::FileWriter) -> output::Written| {
@@ -462,9 +477,9 @@ pub(crate) fn write(
         write_one(name, &|out| ply::write(&points, lattice, out))?;
     }
     if let Some(name) = &scene.outputs.forces {
-        let pushes = scene.felt.iter().flat_map(|felt| {
-            felt.pushes.iter().map(|push| forces::Push {
-                sculpture: &felt.sculpture,
+        let pushes = scene.solids.iter().zip(felt).flat_map(|(solid, felt)| {
+            felt.iter().map(|push| forces::Push {
+                sculpture: &solid.name,
                 stroke: push.stroke,
                 moments: &push.moments,
             })

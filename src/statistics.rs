@@ -300,6 +300,8 @@ impl From<&FrameDigest> for Frame {
 /// Wall-clock seconds of the stages.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Times {
+    /// Octrees of volumes and sculptures.
+    pub sample: f64,
     /// Subdivision, normals and octree.
     pub voxelize: f64,
     /// Camera, z-buffer and shading.

@@ -235,7 +235,7 @@ fn isosurfaces_of_scans_are_clean() {
     ] {
         for tolerance in [0, 8] {
             let keys = format!("{keys}\ncap = true\ntolerance = {tolerance}");
-            let mut mesh = scan(file, &keys).isosurfaces[0].clone();
+            let mut mesh = scan(file, &keys).solids[0].at(1.0, &Unwatched).unwrap().mesh();
             let split = mesh.split_touching();
             let health = mesh.health();
             assert_eq!(

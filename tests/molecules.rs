@@ -259,13 +259,14 @@ fn cube_files_become_scenes() {
     let [orbital, _] = ORBITALS;
     let (scene, notes) = converted("orbital.cube", &cube(&Orbital { reach: 16.0, ..orbital }, 60));
     assert!(notes.is_empty());
-    let names: Vec<&str> = scene.isosurfaces.iter().map(|mesh| mesh.name.as_str()).collect();
+    let names: Vec<&str> = scene.solids.iter().map(|solid| solid.name.as_str()).collect();
     assert_eq!(names, ["positive", "negative"]);
     assert_eq!(scene.surfaces.len(), 1, "the proton");
     // The lobes lie on either side of the proton, as large as each other.
-    let [up, down] = [0, 1].map(|i| scene.isosurfaces[i].shape());
+    let meshes = [0, 1].map(|i| scene.solids[i].at(1.0, &Unwatched).unwrap().mesh());
+    let [up, down] = [0, 1].map(|i| meshes[i].shape());
     assert!((up.volume / down.volume - 1.0).abs() < 1e-3 && up.volume > 0.0);
-    let heights = |i: usize| scene.isosurfaces[i].positions.iter().map(|p| p[2]);
+    let heights = |i: usize| meshes[i].positions.iter().map(|p| p[2]);
     assert!(heights(0).all(|z| z > 0.0) && heights(1).all(|z| z < 0.0));
 }
 
@@ -297,7 +298,7 @@ fn readme_tells_what_can_be_done() {
     let volumes = block("[-inf, -0.03]").trim_start_matches("toml");
     let path = folder.path().join("volumes.toml");
     fs::write(&path, format!("version = 1\n{volumes}")).unwrap();
-    assert_eq!(scene::load(&path).unwrap().isosurfaces.len(), 2);
+    assert_eq!(scene::load(&path).unwrap().solids.len(), 2);
 }
 
 proptest! {

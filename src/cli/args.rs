@@ -17,7 +17,7 @@ use crate::{
     import,
     math::SimdLevel,
     pipeline::Options,
-    scene::{self, MAX_RESOLUTION, Scene},
+    scene::{self, Loading, MAX_RESOLUTION, Scene},
 };
 
 const EXAMPLES: &str = "\
@@ -363,13 +363,24 @@ pub(super) struct Exhibition {
 pub(super) struct Scenes {
     /// Files, or names of the gallery.
     pub(super) paths: Vec<PathBuf>,
-    /// What reads one of them, with settings, and files outside its folder if it may.
-    pub(super) load: fn(&Path, &[String], bool) -> crate::Result<Scene>,
+    /// What reads one of them.
+    pub(super) read: fn(&Path, &Loading<'_>) -> crate::Result<Scene>,
     /// Each `name=value`.
     pub(super) settings: Vec<String>,
     /// Whether files outside a scene's folder may be included.
     pub(super) allow_outside: bool,
+    /// Bytes of memory that a run may take, if the user says.
+    pub(super) max_memory: Option<u64>,
     pub(super) quiet: bool,
+}
+
+impl Scenes {
+    /// Reads one of them.
+    pub(super) fn load(&self, path: &Path) -> crate::Result<Scene> {
+        let Self { settings, allow_outside, max_memory, .. } = self;
+        let (allow_outside, max_memory) = (*allow_outside, *max_memory);
+        (self.read)(path, &Loading { settings, allow_outside, max_memory })
+    }
 }
 
 /// Reads the command line. The error may be a request for help; it knows its own exit code.
@@ -424,9 +435,10 @@ fn exhibit(args: GalleryArgs) -> Plan {
     let paths = names.into_iter().map(PathBuf::from).collect();
     let scenes = Scenes {
         paths,
-        load: |name, settings, _| gallery::load(name, settings),
+        read: |name, loading| gallery::load(name, loading.settings),
         settings: set,
         allow_outside: false,
+        max_memory: options.max_memory,
         quiet,
     };
     Plan::Render { scenes, options, stats: StatsTarget::Nowhere }
@@ -457,9 +469,10 @@ fn evaluation(args: EvaluateArgs) -> Evaluation {
 fn scenes(input: Input) -> Scenes {
     Scenes {
         paths: input.scenes,
-        load: scene::load_with,
+        read: scene::load_with,
         settings: input.set,
         allow_outside: input.allow_outside,
+        max_memory: None,
         quiet: input.quiet,
     }
 }

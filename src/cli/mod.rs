@@ -41,7 +41,7 @@ pub fn run() -> ExitCode {
 /// Looks for mistakes in every scene; the worst exit code counts.
 fn check(scenes: &Scenes) -> u8 {
     let check = |path: &Path| -> Result<()> {
-        let scene = (scenes.load)(path, &scenes.settings, scenes.allow_outside)?;
+        let scene = scenes.load(path)?;
         pipeline::check(&scene)?;
         if !scenes.quiet {
             report::warnings(&scene);

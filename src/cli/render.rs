@@ -66,8 +66,7 @@ impl Session {
 
     fn render(&mut self, path: &Path) -> Result<()> {
         let start = Instant::now();
-        let Scenes { load, settings, allow_outside, .. } = &self.scenes;
-        let scene = load(path, settings, *allow_outside)?;
+        let scene = self.scenes.load(path)?;
         if !self.scenes.quiet {
             report::warnings(&scene);
         }

@@ -106,7 +106,7 @@ pub(super) fn evaluated(written: &[PathBuf], time: Duration) {
 
 /// Says that nothing is wrong with the scene at `path`, and what it asks for.
 pub(super) fn fine(path: &Path, scene: &Scene) {
-    let surfaces = match scene.surfaces.len() + scene.isosurfaces.len() {
+    let surfaces = match scene.surfaces.len() + scene.solids.len() {
         1 => "1 surface".to_owned(),
         n => format!("{n} surfaces"),
     };

@@ -8,7 +8,7 @@ use crate::{
     output::{self, plot},
     pipeline,
     progress::Progress as _,
-    scene::{self, Scene},
+    scene::Scene,
     yields::{self, Yield},
 };
 
@@ -32,8 +32,7 @@ pub(super) fn measure(scenes: &Scenes, measurement: &Measurement) -> u8 {
     let watch = Watch::new(!scenes.quiet && report::is_terminal());
     let mut worst = 0;
     for path in &scenes.paths {
-        let measured = scene::load_with(path, &scenes.settings, scenes.allow_outside)
-            .and_then(|scene| measure_one(&scene, measurement, &watch));
+        let measured = scenes.load(path).and_then(|scene| measure_one(&scene, measurement, &watch));
         watch.clear();
         if let Err(error) = measured {
             report::failure(path, &error);

@@ -11,8 +11,8 @@ use crate::{
     polygons::Polygons,
     progress::Progress,
     raster::{
-        self, Camera, Drawn, Frame, ImageSettings, Material, Model, Placement, Projection, Shade,
-        View,
+        self, Camera, Contents, Drawn, Frame, ImageSettings, Material, Model, Placement,
+        Projection, Shade, View,
     },
 };
 
@@ -68,10 +68,11 @@ pub(super) fn draw(
             continue;
         }
         let models = [model(surface, colors)];
-        let drawn = Drawn { voxels: Vec::new(), outlines: &[], models: &models };
+        let drawn = Drawn { models: &models, ..Drawn::default() };
         let camera = camera.get_or_insert_with(|| Camera::new(&view, image.aspect(), &drawn));
         let simd = SimdLevel::detect();
-        frames.push(raster::render(&[], &models, camera, &image, simd, progress)?.0);
+        let contents = Contents { models: &models, ..Contents::default() };
+        frames.push(raster::render(&contents, camera, &image, simd, progress)?.0);
     }
     Ok(frames)
 }

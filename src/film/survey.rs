@@ -6,12 +6,14 @@ use glam::DVec3;
 
 use crate::{
     Error, Result, advice,
+    limits::Memory,
     math::{Aabb, Lattice, SimdLevel},
     octree::Storage as _,
     pipeline::{self, Coarse, Options},
     progress::Progress,
     raster::{Camera, Drawn, Motion, Placement, Projection},
     scene::Scene,
+    solids,
 };
 
 /// The scene with a domain that holds all frames, and the cameras of all frames.
@@ -25,7 +27,7 @@ pub(super) fn survey(
     // Frames that differ by the camera alone need one look.
     let n_different = if scene.changes() { scene.n_frames() } else { 1 };
     let mut scene = scene.clone();
-    scene.domain = scene.domain.or_else(|| scene.bounds_of_models());
+    scene.domain = scene.domain.or_else(|| scene.bounds_without_surfaces());
     if scene.domain.is_none() {
         progress.begin("looking for the surfaces", u64::from(n_different), "frames");
         let mut failure = None;
@@ -45,13 +47,26 @@ pub(super) fn survey(
         notes.push(note);
         scene.domain = Some(domain);
     }
+    let cameras = cameras(&scene, n_different, options, progress, notes)?;
+    Ok((scene, cameras))
+}
+
+/// The cameras of all frames, of which the first `n_different` show different things.
+fn cameras(
+    scene: &Scene,
+    n_different: u32,
+    options: &Options,
+    progress: &dyn Progress,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Camera>> {
+    let simd = options.simd.unwrap_or_else(SimdLevel::detect);
     let motion = scene.animation.as_ref().map_or(&Motion::Still, |animation| &animation.motion);
     let views = motion.views(&scene.view, scene.n_frames());
     let is_fixed = matches!(scene.view.placement, Placement::LookAt { .. })
         && matches!(scene.view.projection, Projection::Perspective { .. });
     let mut seen = Seen::default();
     if !is_fixed {
-        let lattice = pipeline::choose_lattice(&scene, options.resolution, simd, notes);
+        let lattice = pipeline::choose_lattice(scene, options.resolution, simd, notes);
         progress.begin("placing the camera", u64::from(n_different), "frames");
         for number in 1..=n_different {
             if progress.is_cancelled() {
@@ -62,12 +77,17 @@ pub(super) fn survey(
         }
         progress.end();
         if seen.rows.is_empty() && scene.needs_surfaces() {
-            return Err(pipeline::nothing_found(&scene, &lattice, simd));
+            return Err(pipeline::nothing_found(scene, &lattice, simd));
         }
     }
-    let models = Drawn { voxels: Vec::new(), outlines: &[], models: &scene.models };
-    let cameras = Camera::of_film(&views, scene.image.aspect(), &(models, seen.boxes().as_slice()));
-    Ok((scene, cameras))
+    let shapes = solids::shapes(scene, &Memory::new(options.max_memory), progress)?;
+    let drawn = solids::drawn(scene, &shapes, progress)?;
+    if let Some(error) = solids::nothing_of(scene, &drawn) {
+        return Err(error);
+    }
+    let content = Drawn { models: &scene.models, solids: &drawn, ..Drawn::default() };
+    let boxes = seen.boxes();
+    Ok(Camera::of_film(&views, scene.image.aspect(), &(content, boxes.as_slice())))
 }
 
 /// The large voxels of several frames, all on one lattice. Of each row along x only the ends are

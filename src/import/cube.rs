@@ -27,7 +27,7 @@ const NOISE: f64 = 0.01;
 pub(super) fn import(source: &Source<'_>, name: &str) -> Result<Converted, Refusal> {
     let cube = CubeHeader::read(source.path)?;
     let (first, n) = (cube.orbitals[0], cube.orbitals.len());
-    let volume = Volume::read_orbital(source.path, first)?;
+    let volume = Volume::read_orbital(source.path, first, None)?;
     let surface = Isosurface::of(&volume).ok_or("none of its values differs from 0")?;
     if let Some((_, place)) = cube.atoms.iter().find(|(_, p)| p.abs().max_element() > FARTHEST) {
         return Err(format!("an atom stands at {place}, which is too far away"));

@@ -194,6 +194,18 @@ impl<B: Voxels> Grid<B> {
         Self { bricks, around, size, border }
     }
 
+    /// The bricks of voxels, counted from the first one; phantoms are where the voxels are that they
+    /// are like. In order.
+    pub(crate) fn bricks_of_voxels(&self) -> Vec<[u32; 3]> {
+        let place = |brick: &Brick<B>| {
+            [0, 1, 2].map(|axis| brick.place[axis].clamp(1, self.size[axis].div_ceil(SIDE)) - 1)
+        };
+        let mut places: Vec<[u32; 3]> = self.bricks.iter().map(place).collect();
+        places.par_sort_unstable();
+        places.dedup();
+        places
+    }
+
     /// The number of the brick at a place, if there is one.
     pub(super) fn number_at(&self, place: [u32; 3]) -> Option<u32> {
         let key = morton_encode(place);

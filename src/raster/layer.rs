@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Coloring, Content, Material, Model, fit::fold_reach};
+use super::{Coloring, Content, Material, Model, Solid, fit::fold_reach};
 use crate::{
     expr::Tape,
     math::Lattice,
@@ -12,7 +12,7 @@ use crate::{
 };
 
 /// Where the voxels of a surface come from.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub enum Source<'a> {
     /// All of them were found.
     Stored(&'a Detail<'a>),
@@ -24,7 +24,7 @@ pub enum Source<'a> {
 }
 
 /// The voxels of one surface and how they look.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Layer<'a> {
     /// The voxels.
     pub source: Source<'a>,
@@ -54,7 +54,7 @@ impl Layer<'_> {
 }
 
 /// All that a picture shows.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Drawn<'a> {
     /// Voxels of surfaces.
     pub voxels: Vec<(&'a dyn Storage, &'a Lattice)>,
@@ -62,6 +62,8 @@ pub struct Drawn<'a> {
     pub outlines: &'a [Outline],
     /// The polygon models.
     pub models: &'a [Model],
+    /// Solids that are given by samples.
+    pub solids: &'a [Solid<'a>],
 }
 
 impl Content for Drawn<'_> {
@@ -72,7 +74,8 @@ impl Content for Drawn<'_> {
         let of_outlines = self.outlines.iter().map(|outline| {
             beyond_centers(outline.reach(directions), outline.lattice(), directions)
         });
-        fold_reach(of_models.chain(of_voxels).chain(of_outlines))
+        let of_solids = self.solids.iter().map(|solid| solid.reach(directions));
+        fold_reach(of_models.chain(of_solids).chain(of_voxels).chain(of_outlines))
     }
 }
 

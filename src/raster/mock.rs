@@ -85,7 +85,7 @@ impl Mock {
 /// Its voxels' cubes.
 impl Content for Mock {
     fn reach<const N: usize>(&self, directions: [DVec3; N]) -> [f64; N] {
-        Drawn { voxels: vec![(self, &self.lattice)], outlines: &[], models: &[] }.reach(directions)
+        Drawn { voxels: vec![(self, &self.lattice)], ..Drawn::default() }.reach(directions)
     }
 }
 

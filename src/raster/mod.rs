@@ -4,7 +4,8 @@
 //! may show, the nearest first (`tile`). What a sample shows is found by `paint`: its ray goes
 //! through the voxels to the surface itself (`walk`, `trace`), or the voxels are drawn into a
 //! z-buffer, each a small cube that is projected by itself, like a point (`splat`, `zbuffer`,
-//! `resolve`). Polygon models come last (`triangles`). Then samples get their colours (`color`) and
+//! `resolve`). Polygon models come after them (`triangles`), and solids that are given by samples
+//! (`solids`): rays through the cells between these. Then samples get their colours (`color`) and
 //! their light (`shadow`, `occlusion`, `light`, `matcap`), and become pixels (`shade`).
 //!
 //! The picture is the same bits for any number of threads.
@@ -18,7 +19,9 @@
 mod block;
 mod camera;
 mod color;
+mod cubic;
 mod digest;
+mod field;
 mod film;
 mod fit;
 mod frame;
@@ -31,6 +34,7 @@ mod motion;
 mod occlusion;
 mod paint;
 mod path;
+mod pierce;
 mod resolve;
 mod roots;
 mod screen;
@@ -38,6 +42,9 @@ mod settings;
 mod shade;
 mod shadow;
 mod sight;
+mod solids;
+#[cfg(test)]
+mod solids_tests;
 mod splat;
 mod sweep;
 #[cfg(test)]
@@ -51,6 +58,7 @@ mod zbuffer;
 pub use block::OnDemandCount;
 pub use camera::Camera;
 pub use digest::{FrameDigest, PlaneDigest};
+pub use field::{Field, Solid};
 pub use fit::Content;
 pub use frame::Frame;
 pub use layer::{Drawn, Layer, Source};
@@ -66,7 +74,18 @@ pub use triangles::Model;
 
 use crate::{Result, math::SimdLevel, progress::Progress};
 
-/// Draws `layers` and `models` as `camera` sees them.
+/// All that a picture shows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Contents<'a> {
+    /// Surfaces.
+    pub layers: &'a [Layer<'a>],
+    /// Polygon models.
+    pub models: &'a [Model],
+    /// Solids that are given by samples.
+    pub solids: &'a [Solid<'a>],
+}
+
+/// Draws `contents` as `camera` sees them.
 ///
 /// The camera must have been made for the picture's aspect, or the picture is stretched.
 ///
@@ -76,12 +95,11 @@ use crate::{Result, math::SimdLevel, progress::Progress};
 /// [`crate::Error::Interrupted`] if `progress` asks to stop; [`crate::Error::Limit`] if a tile shows
 /// more than 131072 blocks of voxels, unless rays are followed.
 pub fn render(
-    layers: &[Layer<'_>],
-    models: &[Model],
+    contents: &Contents<'_>,
     camera: &Camera,
     image: &ImageSettings,
     simd: SimdLevel,
     progress: &dyn Progress,
 ) -> Result<(Frame, OnDemandCount)> {
-    shade::shade(layers, models, camera, image, simd, progress)
+    shade::shade(contents, camera, image, simd, progress)
 }

@@ -13,6 +13,7 @@ use super::{
     resolve::{Shown, shown},
     screen::{Ray, Screen},
     sight::Sight,
+    solids::Solids,
     splat::Splatter,
     sweep::{Sighting, Swept},
     tile::Tile,
@@ -72,6 +73,7 @@ pub(super) struct Painter<'a> {
     pub(super) maker: BlockMaker<'a>,
     pub(super) blocks: &'a Blocks,
     pub(super) triangles: &'a Triangles<'a>,
+    pub(super) solids: &'a Solids<'a>,
     pub(super) shade: Shade,
 }
 
@@ -85,7 +87,9 @@ impl Painter<'_> {
     ) -> Vec<Option<Seen>> {
         let blocks: Vec<&Block> = self.blocks.of_tile(place).collect();
         let mut seen = self.surfaces(&blocks, tile, tools);
-        self.triangles.draw(self.screen(), place, tile, self.layers().len(), &mut seen);
+        let (n_layers, n_models) = (self.layers().len(), self.triangles.n_models());
+        self.triangles.draw(self.screen(), place, tile, n_layers, &mut seen);
+        self.solids.draw(self.screen(), place, tile, n_layers + n_models, &mut seen);
         seen
     }
 

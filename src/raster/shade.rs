@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{
-    Camera, Frame, ImageSettings, Layer, Material, Model, Shade,
+    Camera, Contents, Frame, ImageSettings, Layer, Material, Shade, Solid,
     block::{BlockMaker, Blocks, MAX_BLOCKS, OnDemandCount},
     color::Colorer,
     light::Lights,
@@ -15,6 +15,7 @@ use super::{
     paint::{Painter, Seen, Tools},
     screen::Screen,
     shadow::Shadows,
+    solids::Solids,
     tile::Tile,
     triangles::Triangles,
 };
@@ -87,13 +88,13 @@ struct Shown {
 
 /// Paints and lights all pixels.
 pub(super) fn shade(
-    layers: &[Layer<'_>],
-    models: &[Model],
+    contents: &Contents<'_>,
     camera: &Camera,
     image: &ImageSettings,
     simd: SimdLevel,
     progress: &dyn Progress,
 ) -> Result<(Frame, OnDemandCount)> {
+    let Contents { layers, models, solids } = *contents;
     let empty = image.background.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0]);
     let mut frame = Frame::blank(image.width, image.height);
     if frame.rgba.is_empty() {
@@ -102,19 +103,21 @@ pub(super) fn shade(
     let tools = || Tools::new(simd);
     let occlusion = if image.occlusion > 0.0 {
         let screen = Screen::new(camera, image.width, image.height, 1);
-        let drawn = OnScreen::new(layers, models, &screen, image, simd)?;
+        let drawn = OnScreen::new(contents, &screen, image, simd)?;
         Some(Occlusion::new(&drawn.painter(), &screen, tools, progress)?)
     } else {
         None
     };
     let screen = &Screen::new(camera, image.width, image.height, image.samples);
-    let drawn = OnScreen::new(layers, models, screen, image, simd)?;
+    let drawn = OnScreen::new(contents, screen, image, simd)?;
     let painter = drawn.painter();
     let lights = Lights::new(image, screen);
     let of_layers = layers.iter().map(|layer| layer.material);
-    let materials = of_layers.chain(models.iter().map(|model| model.material)).collect();
+    let of_models = models.iter().map(|model| model.material);
+    let of_solids = solids.iter().map(|solid| solid.material);
+    let materials = of_layers.chain(of_models).chain(of_solids).collect();
     let colorer = Colorer::new(layers, image.shade);
-    let shadows = Shadows::new(layers, models, image, screen, simd);
+    let shadows = Shadows::new(contents, image, screen, simd);
     let shader = Shader { materials, colorer, screen, shadows, occlusion, lights, image, empty };
     let (n_columns, n_rows) = screen.n_tiles();
     progress.begin("rasterize", (n_columns * n_rows) as u64, "tiles");
@@ -148,17 +151,18 @@ struct OnScreen<'a> {
     maker: BlockMaker<'a>,
     blocks: Blocks,
     triangles: Triangles<'a>,
+    solids: Solids<'a>,
     shade: Shade,
 }
 
 impl<'a> OnScreen<'a> {
     fn new(
-        layers: &'a [Layer<'a>],
-        models: &'a [Model],
+        contents: &Contents<'a>,
         screen: &'a Screen,
         image: &ImageSettings,
         simd: SimdLevel,
     ) -> Result<Self> {
+        let Contents { layers, models, solids } = *contents;
         let blocks = Blocks::new(layers, screen, simd);
         if image.shade != Shade::Refine && blocks.most_of_a_tile() > MAX_BLOCKS {
             return Err(Error::Limit(
@@ -167,26 +171,29 @@ impl<'a> OnScreen<'a> {
                     .to_owned(),
             ));
         }
-        let near = near(layers, models, screen);
+        let near = near(contents, screen);
         let triangles = Triangles::new(models, screen, near);
+        let solids = Solids::new(solids, screen, near);
         let maker = BlockMaker::new(layers, screen, image);
-        Ok(Self { maker, blocks, triangles, shade: image.shade })
+        Ok(Self { maker, blocks, triangles, solids, shade: image.shade })
     }
 
     fn painter(&self) -> Painter<'_> {
-        let Self { maker, blocks, triangles, shade } = self;
-        Painter { maker: *maker, blocks, triangles, shade: *shade }
+        let Self { maker, blocks, triangles, solids, shade } = self;
+        Painter { maker: *maker, blocks, triangles, solids, shade: *shade }
     }
 }
 
-/// Where rays begin: of layers, or of models by themselves.
-fn near(layers: &[Layer<'_>], models: &[Model], screen: &Screen) -> f64 {
+/// Where rays begin: of layers, or of models and solids by themselves.
+fn near(contents: &Contents<'_>, screen: &Screen) -> f64 {
+    let Contents { layers, models, solids } = contents;
     let of_layers = layers.iter().map(Layer::near).fold(f64::INFINITY, f64::min);
     if of_layers.is_finite() {
         return of_layers;
     }
-    let all = models.iter().flat_map(|model| &model.polygons.positions);
-    NEAR_MODELS * all.map(|&p| (p - screen.eye).length_squared()).fold(0.0, f64::max).sqrt()
+    let of_models = models.iter().flat_map(|model| model.polygons.positions.iter().copied());
+    let all = of_models.chain(solids.iter().flat_map(Solid::corners));
+    NEAR_MODELS * all.map(|p| (p - screen.eye).length_squared()).fold(0.0, f64::max).sqrt()
 }
 
 /// The nearest that models are shown, as a part of how far away they reach.
@@ -194,7 +201,7 @@ const NEAR_MODELS: f64 = 1e-6;
 
 /// Everything that lighting a sample needs to know.
 struct Shader<'a> {
-    /// Of the layers, then of the models.
+    /// Of the layers, then of the models and of the solids.
     materials: Vec<Material>,
     colorer: Colorer<'a>,
     screen: &'a Screen,

@@ -10,11 +10,12 @@
 use glam::DVec3;
 
 use super::{
-    Camera, ImageSettings, Layer, Model, Placement, Projection, Shade, View,
+    Camera, Contents, ImageSettings, Layer, Model, Placement, Projection, Shade, Solid, View,
     block::{BlockMaker, Blocks},
     light::towards,
     paint::{Painter, Seen, Tools},
     screen::{Ray, Screen},
+    solids::Solids,
     tile::Tile,
     trace::{Meeting, Quest, Traced},
     triangles::Triangles,
@@ -29,7 +30,7 @@ const VIEW: u32 = 1024;
 const BIAS_REFINED: f64 = 0.01;
 const BIAS_SPLATTED: f64 = 1.0;
 
-/// The same on models, as a part of the scene: their normals are smoother than their shapes.
+/// The same on models and solids, as a part of the scene: their normals are smoother than their shapes.
 const BIAS_MODEL: f64 = 1e-3;
 
 /// Where a surface faces away from a light by more than this sine, it gets no light of it.
@@ -47,6 +48,7 @@ struct LightView<'a> {
     screen: Screen,
     blocks: Blocks,
     triangles: Triangles<'a>,
+    solids: Solids<'a>,
     near: f64,
 }
 
@@ -62,18 +64,19 @@ struct Shaft {
 }
 
 impl<'a> Shadows<'a> {
-    /// Of `layers` and `models`; nothing if the picture asks for no shadows.
+    /// Of `contents`; nothing if the picture asks for no shadows.
     pub(super) fn new(
-        layers: &'a [Layer<'a>],
-        models: &'a [Model],
+        contents: &Contents<'a>,
         image: &'a ImageSettings,
         screen: &Screen,
         simd: SimdLevel,
     ) -> Self {
+        let Contents { layers, models, solids } = *contents;
         let boxes: Vec<Aabb> = layers
             .iter()
             .map(|layer| layer.lattice.bounds())
             .chain(models.iter().filter_map(bounds_of))
+            .chain(solids.iter().filter_map(Solid::bounds))
             .collect();
         let near = layers.iter().map(Layer::near).fold(f64::INFINITY, f64::min);
         // Parallel rays begin before everything.
@@ -88,7 +91,8 @@ impl<'a> Shadows<'a> {
             let screen = Screen::new(&camera, VIEW, VIEW, 1).for_rays_between();
             let blocks = Blocks::new(layers, &screen, simd);
             let triangles = Triangles::new(models, &screen, near);
-            LightView { screen, blocks, triangles, near }
+            let solids = Solids::new(solids, &screen, near);
+            LightView { screen, blocks, triangles, solids, near }
         };
         let lights = if image.shadows { image.lights.as_slice() } else { &[] };
         let views = lights.iter().map(|light| view(towards(light, screen))).collect();
@@ -113,7 +117,7 @@ impl<'a> Shadows<'a> {
             for of_tile in shafts.chunk_by_mut(|a, b| place(a) == place(b)) {
                 let Some(place) = of_tile.first().map(place) else { continue };
                 self.by_surfaces(view, place, of_tile, tools);
-                by_models(view, place, of_tile);
+                by_models_and_solids(view, place, of_tile);
             }
             for shaft in shafts.iter().filter(|shaft| shaft.is_dark) {
                 if let Some(seen) = &mut seen[shaft.sample as usize] {
@@ -205,11 +209,12 @@ impl<'a> Shadows<'a> {
     }
 }
 
-/// Finds the rays that models block.
-fn by_models(view: &LightView<'_>, place: (usize, usize), shafts: &mut [Shaft]) {
+/// Finds the rays that models and solids block.
+fn by_models_and_solids(view: &LightView<'_>, place: (usize, usize), shafts: &mut [Shaft]) {
     // By rows, and in them by columns, so that those that a triangle may touch stand together.
     shafts.sort_by_key(|shaft| (shaft.row, shaft.column));
-    view.triangles.visit(&view.screen, place, |Tile { columns, rows }, depth_of| {
+    let mut darken = |Tile { columns, rows }: &Tile,
+                      depth_of: &dyn Fn(&Ray, f64) -> Option<f64>| {
         let first = shafts.partition_point(|shaft| shaft.row < rows.start);
         for row in shafts[first..].chunk_by_mut(|a, b| a.row == b.row) {
             if row[0].row >= rows.end {
@@ -218,11 +223,13 @@ fn by_models(view: &LightView<'_>, place: (usize, usize), shafts: &mut [Shaft]) 
             let start = row.partition_point(|shaft| shaft.column < columns.start);
             let in_columns = row[start..].iter_mut().take_while(|s| s.column < columns.end);
             for shaft in in_columns.filter(|shaft| !shaft.is_dark) {
-                let is_met = |depth: f64| depth >= view.near && depth < shaft.farthest;
-                shaft.is_dark = depth_of(&shaft.ray).is_some_and(is_met);
+                let depth = depth_of(&shaft.ray, shaft.farthest);
+                shaft.is_dark = depth.is_some_and(|depth| depth >= view.near);
             }
         }
-    });
+    };
+    view.triangles.visit(&view.screen, place, &mut darken);
+    view.solids.visit(place, &mut darken);
 }
 
 /// The box around a model that has triangles.

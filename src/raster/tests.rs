@@ -35,7 +35,15 @@ fn view(projection: Projection, placement: Placement) -> View {
 }
 
 fn draw(layers: &[Layer<'_>], camera: &Camera, width: u32, height: u32) -> Frame {
-    render(layers, &[], camera, &image(width, height), SimdLevel::detect(), &Unwatched).unwrap().0
+    render(
+        &Contents { layers, ..Contents::default() },
+        camera,
+        &image(width, height),
+        SimdLevel::detect(),
+        &Unwatched,
+    )
+    .unwrap()
+    .0
 }
 
 /// Whether the ray from depth `near` on meets a cube: slabs, straight from the book.
@@ -297,7 +305,8 @@ fn background_and_emptiness() {
     let camera = Camera::new(&view, 1.0, &empty);
     let settings = ImageSettings { background: Some([0.1, 0.2, 0.3]), ..image(4, 4) };
     let layers = [empty.layer(WHITE)];
-    let drawn = render(&layers, &[], &camera, &settings, SimdLevel::detect(), &Unwatched);
+    let contents = Contents { layers: &layers, ..Contents::default() };
+    let drawn = render(&contents, &camera, &settings, SimdLevel::detect(), &Unwatched);
     let (frame, _) = drawn.unwrap();
     assert_eq!(frame, Frame::filled(4, 4, [0.1, 0.2, 0.3, 1.0]));
 }
@@ -317,7 +326,12 @@ fn cancelling_ends_the_run() {
     let placement = Placement::Fit { direction: DVec3::X, margin: 0.0 };
     let view = view(Projection::Perspective { fov_degrees: 40.0 }, placement);
     let camera = Camera::new(&view, 1.0, &mock);
-    let outcome =
-        render(&[mock.layer(WHITE)], &[], &camera, &image(8, 8), SimdLevel::detect(), &Cancelled);
+    let outcome = render(
+        &Contents { layers: &[mock.layer(WHITE)], ..Contents::default() },
+        &camera,
+        &image(8, 8),
+        SimdLevel::detect(),
+        &Cancelled,
+    );
     assert!(matches!(outcome, Err(Error::Interrupted)));
 }

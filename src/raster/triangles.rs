@@ -72,6 +72,11 @@ impl<'a> Triangles<'a> {
         Self { models, all, of_tiles, near }
     }
 
+    /// How many models there are.
+    pub(super) fn n_models(&self) -> usize {
+        self.models.len()
+    }
+
     /// Shows what is nearer than `seen`, the samples of a tile of `screen`. Models are numbered from
     /// `first_layer`.
     pub(super) fn draw(
@@ -115,17 +120,19 @@ impl<'a> Triangles<'a> {
     }
 
     /// Calls `meet` for every triangle that a tile of `screen` may show, with the samples that it
-    /// may touch and a function that tells at which depth a ray meets it.
+    /// may touch and a function that tells at which depth a ray meets it, if that is before another.
     pub(super) fn visit(
         &self,
         screen: &Screen,
         place: (usize, usize),
-        mut meet: impl FnMut(&Tile, &dyn Fn(&Ray) -> Option<f64>),
+        mut meet: impl FnMut(&Tile, &dyn Fn(&Ray, f64) -> Option<f64>),
     ) {
         for placed in self.of_tiles.of_tile(place).map(|i| &self.all[i]) {
             let corners = corners(&self.models[placed.model], placed.triangle, screen);
-            let depth_of = |ray: &Ray| {
-                weights(&corners, ray).map(|weights| screen.forward.dot(blend(&corners, weights)))
+            let depth_of = |ray: &Ray, farthest: f64| {
+                let weights = if placed.nearest < farthest { weights(&corners, ray) } else { None };
+                let depth = weights.map(|weights| screen.forward.dot(blend(&corners, weights)));
+                depth.filter(|&depth| depth < farthest)
             };
             meet(&placed.extent, &depth_of);
         }

@@ -6,7 +6,7 @@ use std::{
     sync::Arc,
 };
 
-use super::{Outputs, Scene, Surface, lower::Lower, spec::SceneSpec, track::Track};
+use super::{Origin, Outputs, Scene, Solid, Surface, lower::Lower, spec::SceneSpec, track::Track};
 use crate::{
     Error, Result,
     diagnostic::{Diagnostic, Model, Rejection, Sources},
@@ -100,7 +100,9 @@ impl Scene {
     /// Whether its surfaces differ from frame to frame.
     #[must_use]
     pub fn changes(&self) -> bool {
-        let is_filmed = self.carvings.iter().any(|carving| carving.is_filmed);
+        let is_filmed =
+            |solid: &Solid| matches!(&solid.origin, Origin::Sculpture(it) if it.is_filmed);
+        let is_filmed = self.solids.iter().any(is_filmed);
         self.script.is_some() || (self.animation.is_some() && is_filmed)
     }
 
@@ -126,7 +128,7 @@ impl Scene {
             ..self.clone()
         };
         let frame = match &self.animation {
-            Some(animation) => frame.with_carvings(time(number - 1, animation.n_frames)),
+            Some(animation) => Self { time: time(number - 1, animation.n_frames), ..frame },
             None => frame,
         };
         let Some(script) = &self.script else { return Ok(frame) };
@@ -142,37 +144,20 @@ impl Scene {
 }
 
 impl Scene {
-    /// The scene with sculptures that are filmed as they are at a time from 0 to 1.
-    fn with_carvings(mut self, time: f64) -> Self {
-        if !self.carvings.iter().any(|carving| carving.is_filmed) {
-            return self;
-        }
-        let (mut models, mut meshes) = (self.models.to_vec(), self.isosurfaces.to_vec());
-        let mut felt = self.felt.to_vec();
-        let n = self.carvings.len();
-        let (n_models, n_meshes) = (models.len(), meshes.len());
-        for (i, carving) in self.carvings.iter().enumerate().filter(|(_, it)| it.is_filmed) {
-            let carved = carving.at(time);
-            models[n_models - n + i] = carved.model;
-            meshes[n_meshes - n + i] = carved.mesh;
-            felt[i] = carved.felt;
-        }
-        (self.models, self.isosurfaces) = (models.into(), meshes.into());
-        self.felt = felt.into();
-        self
-    }
-
     /// Whether nothing else is shown than surfaces of formulas.
     #[must_use]
     pub fn needs_surfaces(&self) -> bool {
-        self.isosurfaces.is_empty()
+        self.solids.is_empty()
     }
 
-    /// The box around all models, of scenes that have nothing else.
+    /// The box around all models and solids, of scenes that have nothing else.
     #[must_use]
-    pub fn bounds_of_models(&self) -> Option<Aabb> {
-        let all = self.models.iter().flat_map(|model| &model.polygons.positions);
-        let bounds = all.fold(None, |bounds: Option<Aabb>, &p| {
+    pub fn bounds_without_surfaces(&self) -> Option<Aabb> {
+        let of_models =
+            self.models.iter().flat_map(|model| model.polygons.positions.iter().copied());
+        let of_solids =
+            self.solids.iter().flat_map(|solid| [solid.bounds().min, solid.bounds().max]);
+        let bounds = of_models.chain(of_solids).fold(None, |bounds: Option<Aabb>, p| {
             let Aabb { min, max } = bounds.unwrap_or(Aabb { min: p, max: p });
             Some(Aabb { min: min.min(p), max: max.max(p) })
         })?;

@@ -17,19 +17,30 @@ const MAX_BYTES: u64 = 4 << 20;
 /// # Errors
 /// The file cannot be read, is larger than 4 MiB, or does not hold a valid scene.
 pub fn load(path: &Path) -> Result<Scene> {
-    load_with(path, &[], false)
+    load_with(path, &Loading::default())
 }
 
-/// As [`load`], with parameters set to other values: each of `settings` is `name=value`, where the
-/// value is a number or a formula. The last one of a name counts. Files outside the scene's folder are
-/// included only if `allow_outside`.
+/// What the user may change about a scene for one run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Loading<'a> {
+    /// Parameters set to other values, each as `name=value`, where the value is a number or a formula.
+    /// The last one of a name counts.
+    pub settings: &'a [String],
+    /// Whether files outside the scene's folder may be included.
+    pub allow_outside: bool,
+    /// Bytes of memory that a volume and its octree may take; three quarters of the machine's where
+    /// `None`.
+    pub max_memory: Option<u64>,
+}
+
+/// As [`load`], with changes.
 ///
 /// # Errors
 /// As [`load`]; also if a setting is malformed or sets what the scene does not have.
-pub fn load_with(path: &Path, settings: &[String], allow_outside: bool) -> Result<Scene> {
+pub fn load_with(path: &Path, loading: &Loading<'_>) -> Result<Scene> {
     let (source, mistake) = files::decode(read_bytes(path)?);
     let scene = match mistake {
-        None => parse_in(path, &source, settings, path.parent(), allow_outside),
+        None => parse_in(path, &source, path.parent(), loading),
         Some(mistake) => {
             let sources = Sources { path: path.to_owned(), text: source, ..Sources::default() };
             Err(reject(sources, vec![mistake]))
@@ -73,7 +84,7 @@ pub fn parse(path: &Path, source: &str) -> std::result::Result<Scene, Rejection>
     parse_with(path, source, &[], None)
 }
 
-/// As [`parse`], with parameters set to other values as in [`load_with`]. The files that surfaces
+/// As [`parse`], with parameters set to other values as in [`Loading`]. The files that surfaces
 /// name are read, relative names from `folder`, if there is one.
 ///
 /// # Errors
@@ -85,16 +96,16 @@ pub fn parse_with(
     settings: &[String],
     folder: Option<&Path>,
 ) -> std::result::Result<Scene, Rejection> {
-    parse_in(path, source, settings, folder, false)
+    parse_in(path, source, folder, &Loading { settings, ..Loading::default() })
 }
 
 fn parse_in(
     path: &Path,
     source: &str,
-    settings: &[String],
     folder: Option<&Path>,
-    allow_outside: bool,
+    loading: &Loading<'_>,
 ) -> std::result::Result<Scene, Rejection> {
+    let Loading { settings, allow_outside, max_memory } = *loading;
     let mut errors = Vec::new();
     let name = path.file_stem().map_or("scene".into(), |stem| stem.to_string_lossy());
     let mut sources = Sources {
@@ -107,6 +118,7 @@ fn parse_in(
     let included = Includes::new(path, folder, allow_outside).read(&mut spec, &mut errors);
     let mut lower = Lower::new(source, settings, folder, errors);
     lower.n_included = included.len();
+    lower.max_memory = max_memory;
     let mut scene = lower.scene(&name, &spec);
     scene.script = lower.script(scene.n_frames(), spec);
     let graphs = lower.graphs.into_iter().map(|(graph, _)| graph);

@@ -16,7 +16,6 @@ use super::{
     color::linear,
     formula::Formula,
     leaf::{Background, Color, Detail, Number, Numbers, Target, Whole},
-    sculpture::FeltOf,
     spanned::Spanned,
     spec::{
         AboutSpec, DomainSpec, ImageSpec, SceneSpec, ScheduleSpec, Section, ShadeSpec, StorageSpec,
@@ -57,6 +56,8 @@ pub(super) struct Lower<'a> {
     pub(super) settings: &'a [String],
     /// Where the files are that surfaces name.
     pub(super) folder: Option<&'a Path>,
+    /// Bytes of memory that a volume may take; what is usual where `None`.
+    pub(super) max_memory: Option<u64>,
     pub(super) errors: Vec<Diagnostic>,
     /// What is perhaps not meant.
     pub(super) warnings: Vec<Diagnostic>,
@@ -93,6 +94,7 @@ impl<'a> Lower<'a> {
             source,
             settings,
             folder,
+            max_memory: None,
             errors,
             warnings: Vec::new(),
             definitions: Vec::new(),
@@ -116,12 +118,8 @@ impl<'a> Lower<'a> {
         let (view, animation) = self.animation(spec);
         let models = self.models(&spec.models, spec.surfaces.len());
         let n_before = spec.surfaces.len() + spec.models.len();
-        let (of_volumes, isosurfaces) = self.volumes(&spec.volumes, n_before);
-        let carvings = self.carvings(&spec.sculptures, n_before + spec.volumes.len());
-        let carved = self.carved(&spec.sculptures, &carvings);
-        let felt: Vec<FeltOf> = carved.iter().map(|carved| carved.felt.clone()).collect();
-        let (of_carvings, carved): (Vec<_>, Vec<_>) =
-            carved.into_iter().map(|carved| (carved.model, carved.mesh)).unzip();
+        let volumes = self.volumes(&spec.volumes, n_before);
+        let sculptures = self.sculptures(&spec.sculptures, n_before + spec.volumes.len());
         let (image, outputs) = (self.image(spec), self.outputs(name, spec));
         if let Some(sweep) = sweep.as_ref().filter(|_| outputs.sheet.is_some()) {
             self.check_sheet(sweep, &image, spec);
@@ -130,10 +128,9 @@ impl<'a> Lower<'a> {
             name: name.to_owned(),
             about: about(&spec.about.spec),
             surfaces,
-            models: models.into_iter().chain(of_volumes).chain(of_carvings).collect(),
-            isosurfaces: isosurfaces.into_iter().chain(carved).collect(),
-            carvings: carvings.into(),
-            felt: felt.into(),
+            models: models.into(),
+            solids: volumes.into_iter().chain(sculptures).collect(),
+            time: 1.0,
             domain: self.domain(&spec.domain),
             resolution: self.resolution(&spec.voxels.spec),
             is_auto: is_auto(&spec.voxels.spec),

@@ -24,6 +24,7 @@ mod output;
 mod read;
 mod schema;
 mod sculpture;
+mod solid;
 mod spanned;
 mod spec;
 mod surface;
@@ -37,10 +38,11 @@ mod tests;
 use std::{path::PathBuf, sync::Arc};
 
 pub use animation::Animation;
-pub use load::{load, load_volumes, load_with, parse, parse_with};
+pub use load::{Loading, load, load_volumes, load_with, parse, parse_with};
 pub use lower::MAX_RESOLUTION;
 pub use schema::schema;
-pub use sculpture::{Carved, Carving, FeltOf};
+pub use sculpture::{Carved, Carving};
+pub use solid::{Origin, Shape, Solid};
 pub use sweep::{Sweep, Swept};
 pub use volume::Scan;
 
@@ -51,7 +53,7 @@ use crate::{
     diagnostic::{Diagnostic, Sources},
     expr::Expr,
     math::Aabb,
-    mesh::{Border, Mesh, VertexPlace},
+    mesh::{Border, VertexPlace},
     octree::StorageKind,
     output::meshes::{MeshFormat, Unit, Up},
     raster::{Coloring, ImageSettings, Material, Model, View},
@@ -65,16 +67,14 @@ pub struct Scene {
     pub name: String,
     /// What it shows, for people.
     pub about: About,
-    /// At least one, unless there are volumes.
+    /// At least one, unless there are solids.
     pub surfaces: Vec<Surface>,
     /// Polygon models, drawn beside them.
     pub models: Arc<[Model]>,
-    /// The meshes of isosurfaces of volumes, which are among the models too.
-    pub isosurfaces: Arc<[Mesh]>,
-    /// What tools carve; its last state is among models and isosurfaces, at their ends.
-    pub carvings: Arc<[Carving]>,
-    /// What hands have felt that pushed tools into them.
-    pub felt: Arc<[FeltOf]>,
+    /// What samples give: volumes, then sculptures.
+    pub solids: Arc<[Solid]>,
+    /// How much of the work on sculptures is done that are filmed, from 0 to 1.
+    pub time: f64,
     /// The box that is searched, finite and not empty; one is found where there is none.
     pub domain: Option<Aabb>,
     /// Voxels along the domain's longest axis.

@@ -1,90 +1,142 @@
 //! Sculptures: what strokes make of a formula.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 use super::{
     color::{WHITE, default_color},
     leaf::Numbers,
     lower::Lower,
+    solid::{Origin, Solid},
     spanned::Spanned,
     spec::{
         AdvanceSpec, DeedSpec, FalloffSpec, MirrorSpec, PathSpec, SculptureSpec, Section,
         StrokeSpec,
     },
-    volume::polygons,
 };
 use crate::{
     diagnostic::Diagnostic,
+    hrb::Samples,
+    isosurface::Regions,
     math::Aabb,
-    mesh::Mesh,
-    raster::{Material, Model},
-    sculpt::{Contact, DEPTH, Deed, Falloff, Felt, Path, Piece, Plan, Shape, Stroke, Tool},
+    mesh::{Border, Mesh},
+    progress::Progress,
+    raster::Field,
+    sculpt::{
+        Contact, DEPTH, Deed, Falloff, Felt, Path, Piece, Plan, Sculpture, Shape, Stroke, Tool,
+    },
 };
 
 /// A sculpture of a scene.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Carving {
-    name: String,
-    material: Material,
     plan: Arc<Plan>,
     /// Whether a film shows one stroke after the other.
     pub is_filmed: bool,
+    /// When all is done, once that is known.
+    done: OnceLock<Arc<Carved>>,
 }
 
 /// What a sculpture is like at some time of the work.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Carved {
-    /// As it is drawn.
-    pub model: Model,
-    /// As it is written.
-    pub mesh: Mesh,
-    /// What hands have felt.
-    pub felt: FeltOf,
-}
-
-/// What hands have felt that pushed tools into a sculpture.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FeltOf {
-    /// The sculpture's name.
-    pub sculpture: String,
-    /// In order.
-    pub pushes: Vec<Felt>,
+    plan: Arc<Plan>,
+    sculpture: Sculpture<f32>,
+    felt: Vec<Felt>,
 }
 
 impl Carving {
-    /// What it looks like when this part of the work is done, from 0 to 1.
+    fn new(plan: Plan, is_filmed: bool) -> Self {
+        Self { plan: plan.into(), is_filmed, done: OnceLock::new() }
+    }
+
+    /// What it looks like when this part of the work is done, from 0 to 1, or all if that is not filmed;
+    /// `None` if `progress` asks to stop.
     #[must_use]
-    pub fn at(&self, time: f64) -> Carved {
-        let n = (time * self.plan.n() as f64).round() as usize;
-        let (sculpture, pushes) = self.plan.carved(n);
-        let mut mesh = self.plan.mesh(&sculpture);
-        mesh.name.clone_from(&self.name);
-        mesh.color = self.material.color;
-        let (name, material) = (self.name.clone(), self.material);
-        let felt = FeltOf { sculpture: name.clone(), pushes };
-        Carved { model: Model { name, polygons: polygons(&mesh), material }, mesh, felt }
+    pub fn at(&self, time: f64, progress: &dyn Progress) -> Option<Arc<Carved>> {
+        let n = match self.is_filmed {
+            true => (time * self.plan.n() as f64).round() as usize,
+            false => self.plan.n(),
+        };
+        let is_done = n == self.plan.n();
+        if let Some(done) = self.done.get().filter(|_| is_done) {
+            return Some(done.clone());
+        }
+        let (sculpture, felt) = self.plan.carved(n, progress)?;
+        let carved = Arc::new(Carved { plan: self.plan.clone(), sculpture, felt });
+        Some(if is_done { self.done.get_or_init(|| carved).clone() } else { carved })
+    }
+
+    /// The box of all its samples.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.plan.bounds()
+    }
+
+    /// The bytes that its octrees may take at most: as it begins, and at work.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        // A value of four bytes in each, its corners, and a part of the nodes.
+        const BYTES_PER_SAMPLE: u64 = 2 * 6;
+        BYTES_PER_SAMPLE * self.plan.size().iter().map(|&n| u64::from(n)).product::<u64>()
+    }
+}
+
+impl Carved {
+    /// The mesh that has followed the tools, in scene coordinates.
+    #[must_use]
+    pub fn mesh(&self) -> Mesh {
+        self.plan.mesh(&self.sculpture)
+    }
+
+    /// What hands have felt.
+    #[must_use]
+    pub fn felt(&self) -> &[Felt] {
+        &self.felt
+    }
+}
+
+impl Field for Carved {
+    fn size(&self) -> [u32; 3] {
+        self.plan.size()
+    }
+
+    fn placing(&self) -> DAffine3 {
+        self.plan.placing()
+    }
+
+    fn is_capped(&self) -> bool {
+        true
+    }
+
+    fn bricks(&self) -> Vec<[u32; 3]> {
+        Regions::bricks(self.sculpture.octree(), self.sculpture.isovalue(), Border::Capped)
+    }
+
+    fn values(&self, first: [u32; 3], end: [u32; 3]) -> Vec<f32> {
+        let samples = Samples { first, end };
+        self.sculpture.octree().offsets(&samples, self.sculpture.isovalue())
     }
 }
 
 impl Lower<'_> {
     /// All sculptures, after `n_before` other things with colours.
-    pub(super) fn carvings(
+    pub(super) fn sculptures(
         &mut self,
         specs: &[Section<SculptureSpec>],
         n_before: usize,
-    ) -> Vec<Carving> {
-        let carving = |(i, section)| self.carving(i, n_before + i, section);
-        specs.iter().enumerate().filter_map(carving).collect()
+    ) -> Vec<Solid> {
+        let sculpture = |(i, section)| self.sculpture(i, n_before + i, section);
+        specs.iter().enumerate().filter_map(sculpture).collect()
     }
 
-    fn carving(
+    fn sculpture(
         &mut self,
         number: usize,
         index: usize,
         section: &Section<SculptureSpec>,
-    ) -> Option<Carving> {
+    ) -> Option<Solid> {
         let spec = &section.spec;
         let usual = if self.has_matcap { WHITE } else { default_color(index) };
         let colors = (spec.color.unwrap_or(usual), spec.back_color);
@@ -117,32 +169,16 @@ impl Lower<'_> {
         if strokes.len() < spec.strokes.len() {
             return None;
         }
-        let plan = Plan::new(start.as_ref(), bounds, size, strokes.concat());
-        let is_filmed = spec.film.unwrap_or(false);
-        Some(Carving { name, material, plan: plan.into(), is_filmed })
-    }
-
-    /// The sculptures when all is done.
-    pub(super) fn carved(
-        &mut self,
-        specs: &[Section<SculptureSpec>],
-        carvings: &[Carving],
-    ) -> Vec<Carved> {
-        let carved: Vec<Carved> = carvings.iter().map(|carving| carving.at(1.0)).collect();
-        // After a mistake some are missing, and there is no picture.
-        if carvings.len() == specs.len() {
-            for (section, Carved { mesh, .. }) in specs.iter().zip(&carved) {
-                if mesh.triangles.is_empty() && !section.is_damaged {
-                    self.errors.push(
-                        Diagnostic::new(section.span.clone(), "nothing is left of the sculpture")
-                            .help(
-                                "begin with a solid, as in f = \"x^2 + y^2 + z^2 - 0.5\", or fill",
-                            ),
-                    );
-                }
-            }
+        let plan = Plan::new(start, bounds, size, strokes.concat());
+        if plan.is_of_nothing() && !section.is_damaged {
+            self.errors.push(
+                Diagnostic::new(section.span.clone(), "nothing is left of the sculpture")
+                    .help("begin with a solid, as in f = \"x^2 + y^2 + z^2 - 0.5\", or fill"),
+            );
+            return None;
         }
-        carved
+        let origin = Origin::Sculpture(Carving::new(plan, spec.film.unwrap_or(false)));
+        Some(Solid { name, material, origin })
     }
 
     /// A stroke and its mirror image, if it has one, piece by piece.

@@ -275,7 +275,10 @@ fn with_files(files: &[(&str, &str)], allow_outside: bool) -> Result<Scene, Vec<
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, format!("version = 1\n{text}")).unwrap();
     }
-    match load_with(&folder.path().join(files[0].0), &[], allow_outside) {
+    match load_with(
+        &folder.path().join(files[0].0),
+        &Loading { allow_outside, ..Loading::default() },
+    ) {
         Ok(scene) => Ok(scene),
         Err(Error::Scene(rejection)) => {
             let place = folder.path().to_string_lossy().into_owned() + "/";

@@ -6,16 +6,15 @@ use super::{
     color::{WHITE, default_color},
     leaf::Whole,
     lower::Lower,
+    solid::{Origin, Solid},
     spanned::Spanned,
     spec::{ByteOrderSpec, CriterionSpec, SampleTypeSpec, Section, VolumeSpec},
 };
 use crate::{
     diagnostic::Diagnostic,
     hrb::{Criterion, Tolerance},
-    isosurface::isosurface,
-    mesh::{Border, Mesh},
-    polygons::Polygons,
-    raster::Model,
+    isosurface::Isosurface,
+    mesh::Border,
     volume::{ByteOrder, Keep, RawFormat, SampleType, Volume, is_cube},
 };
 
@@ -38,25 +37,19 @@ pub struct Scan {
 }
 
 impl Lower<'_> {
-    /// The isosurfaces of all volumes that could be read, as polygons and as meshes, after `n_before`
-    /// other things with colours.
-    pub(super) fn volumes(
-        &mut self,
-        specs: &[Section<VolumeSpec>],
-        n_before: usize,
-    ) -> (Vec<Model>, Vec<Mesh>) {
+    /// The isosurfaces of all volumes that could be read, after `n_before` other things with colours.
+    pub(super) fn volumes(&mut self, specs: &[Section<VolumeSpec>], n_before: usize) -> Vec<Solid> {
         let volume = |(i, section)| self.volume(n_before + i, section);
-        specs.iter().enumerate().filter_map(volume).unzip()
+        specs.iter().enumerate().filter_map(volume).collect()
     }
 
-    fn volume(&mut self, index: usize, section: &Section<VolumeSpec>) -> Option<(Model, Mesh)> {
+    fn volume(&mut self, index: usize, section: &Section<VolumeSpec>) -> Option<Solid> {
         let spec = &section.spec;
         let usual = if self.has_matcap { WHITE } else { default_color(index) };
         let colors = (spec.color.unwrap_or(usual), spec.back_color);
         let material = self.material_of(colors, spec.specular.as_ref(), spec.shininess.as_ref());
         let Scan { name, volume, isovalue, tolerance, border } = self.scan(section)?;
-        let mut mesh = isosurface(&volume, isovalue, tolerance, border);
-        if mesh.triangles.is_empty() {
+        if border == Border::Open && !volume.has_outside(isovalue) {
             let span = spec.file.as_ref().map_or(section.span.clone(), |file| file.span());
             self.errors.push(
                 Diagnostic::new(span, "the isosurface is empty")
@@ -64,10 +57,8 @@ impl Lower<'_> {
             );
             return None;
         }
-        mesh.name = name;
-        mesh.color = material.color;
-        let model = Model { name: mesh.name.clone(), polygons: polygons(&mesh), material };
-        Some((model, mesh))
+        let isosurface = Isosurface::new(volume, isovalue, tolerance, border);
+        Some(Solid { name, material, origin: Origin::Volume(isosurface.into()) })
     }
 
     /// The samples of a section and what is looked for in them.
@@ -81,7 +72,7 @@ impl Lower<'_> {
         let path = self.beside(file).map_err(|mistake| self.errors.push(mistake)).ok()?;
         let (volume, span) = match &spec.orbital {
             Some(orbital) => (self.orbital(&path, raw.as_ref(), orbital)?, orbital.span()),
-            None => (Volume::read(&path, raw.as_ref()), file.span()),
+            None => (Volume::read_within(&path, raw.as_ref(), self.max_memory), file.span()),
         };
         let volume = volume.map_err(|why| {
             let message = format!("cannot use {}: {why}", file.get_ref());
@@ -114,7 +105,7 @@ impl Lower<'_> {
             );
             return None;
         }
-        Some(Volume::read_orbital(path, orbital.get_ref().0))
+        Some(Volume::read_orbital(path, orbital.get_ref().0, self.max_memory))
     }
 
     /// The volume in which what is inside is at or above the isovalue.
@@ -229,17 +220,5 @@ impl Lower<'_> {
                     .help(format!("add it, as in {example}")),
             );
         }
-    }
-}
-
-/// What the rasterizer draws.
-pub(super) fn polygons(mesh: &Mesh) -> Polygons {
-    let wide = |v: &[f32; 3]| glam::DVec3::from_array(v.map(f64::from));
-    let of_corner = |v: u32| wide(&mesh.normals[v as usize]);
-    Polygons {
-        positions: mesh.positions.iter().map(wide).collect(),
-        triangles: mesh.triangles.clone(),
-        normals: mesh.triangles.iter().map(|corners| corners.map(of_corner)).collect(),
-        colors: Vec::new(),
     }
 }

@@ -1,15 +1,18 @@
 //! What becomes of a formula under strokes: the start, the strokes, and any state between.
 
-use glam::DVec3;
+use std::sync::OnceLock;
+
+use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 
-use super::{Contact, Moment, Piece, Sculpture, Tool};
+use super::{Contact, Deed, Moment, Piece, Sculpture, Tool};
 use crate::{
     eval::sampler,
     expr::Tape,
     hrb::{HrbOctree, Samples, Tolerance},
     math::{Aabb, SimdLevel},
     mesh::{Border, Crossing, Mesh},
+    progress::Progress,
 };
 
 /// Values of a sculpture are depths below its surface, in samples, up to this.
@@ -47,10 +50,14 @@ impl Stroke {
 /// See the file's text.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    start: HrbOctree<f32>,
+    formula: Option<Tape>,
+    /// The formula in samples, once it is needed.
+    start: OnceLock<HrbOctree<f32>>,
     bounds: Aabb,
     /// Edge of a sample.
     step: f64,
+    /// Samples along each axis.
+    size: [u32; 3],
     strokes: Vec<Stroke>,
 }
 
@@ -58,20 +65,53 @@ impl Plan {
     /// Begins with the solid F < 0 in a box, sampled at `n_longest` places along its longest edge; the box
     /// grows to whole samples. What is undefined is no solid; without a formula there is none.
     #[must_use]
-    pub fn new(formula: Option<&Tape>, bounds: Aabb, n_longest: u32, strokes: Vec<Stroke>) -> Self {
+    pub fn new(formula: Option<Tape>, bounds: Aabb, n_longest: u32, strokes: Vec<Stroke>) -> Self {
         let step = bounds.size().max_element() / f64::from(n_longest);
         let size = (bounds.size() / step).to_array().map(|n| ((n - 1e-9).ceil() as u32).max(1));
         let bounds = Aabb {
             min: bounds.min,
             max: bounds.min + step * DVec3::from_array(size.map(f64::from)),
         };
-        let slice = |z: u32| match formula {
-            Some(tape) => depths(tape, &bounds, step, size, z),
-            None => vec![-DEPTH as f32; (size[0] * size[1]) as usize],
-        };
-        let slices: Vec<Vec<f32>> = (0..size[2]).into_par_iter().map(slice).collect();
-        let start = HrbOctree::build(&slices.concat(), size, Tolerance::default());
-        Self { start, bounds, step, strokes }
+        Self { formula, start: OnceLock::new(), bounds, step, size, strokes }
+    }
+
+    /// Samples along each axis.
+    #[must_use]
+    pub fn size(&self) -> [u32; 3] {
+        self.size
+    }
+
+    /// The box of all samples.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// From samples to the scene.
+    #[must_use]
+    pub fn placing(&self) -> DAffine3 {
+        let scale = DAffine3::from_scale(DVec3::splat(self.step));
+        DAffine3::from_translation(self.bounds.min) * scale
+    }
+
+    /// Whether there is nothing to begin with, and no stroke brings anything.
+    #[must_use]
+    pub fn is_of_nothing(&self) -> bool {
+        let brings = |stroke: &Stroke| matches!(stroke.tool.deed, Deed::Add | Deed::Fill);
+        self.formula.is_none() && !self.strokes.iter().any(brings)
+    }
+
+    /// The formula in samples.
+    fn start(&self) -> &HrbOctree<f32> {
+        self.start.get_or_init(|| {
+            let Self { bounds, step, size, .. } = self;
+            let slice = |z: u32| match &self.formula {
+                Some(tape) => depths(tape, bounds, *step, *size, z),
+                None => vec![-DEPTH as f32; (size[0] * size[1]) as usize],
+            };
+            let slices: Vec<Vec<f32>> = (0..size[2]).into_par_iter().map(slice).collect();
+            HrbOctree::build(&slices.concat(), *size, Tolerance::default())
+        })
     }
 
     /// In how many parts all strokes can be shown.
@@ -80,19 +120,34 @@ impl Plan {
         self.strokes.iter().map(Stroke::n).sum()
     }
 
-    /// The sculpture after the first `n` parts, and what hands have felt.
+    /// The sculpture after the first `n` parts, and what hands have felt; `None` if `progress` asks to
+    /// stop.
     #[must_use]
-    pub fn carved(&self, mut n: usize) -> (Sculpture<f32>, Vec<Felt>) {
-        let mut sculpture = Sculpture::new(self.start.clone(), 0.0, Border::Capped);
+    pub fn carved(
+        &self,
+        mut n: usize,
+        progress: &dyn Progress,
+    ) -> Option<(Sculpture<f32>, Vec<Felt>)> {
+        progress.begin("sculpt", n as u64, "strokes");
+        let mut sculpture = Sculpture::new(self.start().clone(), 0.0, Border::Capped);
         let mut felt = Vec::new();
         for stroke in &self.strokes {
             let Stroke { tool, pieces, contact, number } = stroke;
             let own = stroke.n().min(n);
             n -= own;
             let Some(contact) = contact else {
-                pieces.iter().take(own).for_each(|piece| sculpture.apply(tool, piece));
+                for piece in pieces.iter().take(own) {
+                    if progress.is_cancelled() {
+                        return None;
+                    }
+                    sculpture.apply(tool, piece);
+                    progress.advance(1);
+                }
                 continue;
             };
+            if progress.is_cancelled() {
+                return None;
+            }
             // The hand waits for the tool once it is at its end.
             let moments = if own == stroke.n() { contact.moments } else { own };
             let moments = contact.moments.min(moments);
@@ -103,8 +158,10 @@ impl Plan {
                 force: moment.force,
             };
             felt.push(Felt { stroke: *number, moments: told.iter().map(of_scene).collect() });
+            progress.advance(own as u64);
         }
-        (sculpture, felt)
+        progress.end();
+        Some((sculpture, felt))
     }
 
     /// The mesh of a sculpture of this plan, in scene coordinates.

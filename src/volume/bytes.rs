@@ -11,8 +11,7 @@ use std::{
 
 use flate2::read::{MultiGzDecoder, ZlibDecoder};
 
-use super::{Refusal, SampleType, Samples, times, with_room};
-use crate::memory::{self, mebibytes};
+use super::{Refusal, SampleType, Samples, room::check_room, times, with_room};
 
 /// Which byte of a number comes first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -75,26 +74,14 @@ impl Stored {
         self.n_samples() * self.sample_type.n_bytes()
     }
 
-    /// Whether the samples and their octree fit into so many bytes.
-    fn check(&self, bytes: Option<u64>) -> Result<(), Refusal> {
-        // A value in the octree takes twice the bytes of a sample or 8 at most, with a part of the nodes.
-        let of_sample = self.sample_type.n_bytes();
-        let needed = self.n_samples().saturating_mul(of_sample + (5 * of_sample / 2).min(10));
-        match bytes {
-            Some(bytes) if needed > bytes => Err(format!(
-                "its {} samples of {} need {} with their octree, and {} are what they may take",
-                times(self.size.map(u64::from)),
-                self.sample_type,
-                mebibytes(needed),
-                mebibytes(bytes),
-            )),
-            _ => Ok(()),
-        }
-    }
-
-    /// The samples in `file`, which is `length` bytes long.
-    pub(super) fn read(&self, (mut file, length): (File, u64)) -> Result<Samples, Failure> {
-        self.check(memory::usual()).map_err(Failure::Other)?;
+    /// The samples in `file`, which is `length` bytes long; they and their octree may take `max_memory`
+    /// bytes.
+    pub(super) fn read(
+        &self,
+        (mut file, length): (File, u64),
+        max_memory: Option<u64>,
+    ) -> Result<Samples, Failure> {
+        check_room(self.size, self.sample_type, max_memory).map_err(Failure::Other)?;
         let packed = length.saturating_sub(self.start);
         file.seek(SeekFrom::Start(self.start)).map_err(failed)?;
         let file = BufReader::with_capacity(CHUNK, file);
@@ -116,8 +103,12 @@ impl Stored {
     }
 
     /// As [`Stored::read`], with the words for what a header tells wrong.
-    pub(super) fn samples(&self, file: (File, u64)) -> Result<Samples, Refusal> {
-        self.read(file).map_err(|failure| failure.words(self))
+    pub(super) fn samples(
+        &self,
+        file: (File, u64),
+        max_memory: Option<u64>,
+    ) -> Result<Samples, Refusal> {
+        self.read(file, max_memory).map_err(|failure| failure.words(self))
     }
 
     /// The samples that `bytes` consists of, of which there are not more than `at_most`.
@@ -226,25 +217,5 @@ impl Failure {
             }
             Self::Other(words) => words,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_volume_larger_than_memory_is_refused() {
-        let stored = Stored {
-            size: [512; 3],
-            sample_type: SampleType::U8,
-            byte_order: ByteOrder::Little,
-            packing: Packing::Plain,
-            start: 0,
-            skip: 0,
-        };
-        assert!(stored.check(None).is_ok() && stored.check(Some(1 << 30)).is_ok());
-        let error = stored.check(Some(100 << 20)).unwrap_err();
-        assert!(error.contains("need 384 MiB with their octree, and 100 MiB"), "{error}");
     }
 }

@@ -19,10 +19,11 @@ use flate2::bufread::MultiGzDecoder;
 use glam::{DMat3, DVec3};
 
 use super::{
-    Refusal, Samples, Volume,
+    Refusal, SampleType, Samples, Volume,
     bytes::{Packing, head, ratio},
     checked_size,
     placing::placing,
+    room::check_room,
     times, with_room,
 };
 use crate::files;
@@ -139,11 +140,16 @@ impl CubeHeader {
 }
 
 /// Reads the samples of one orbital, which must be named if there are several.
-pub(super) fn read(path: &Path, orbital: Option<i64>) -> Result<Volume, Refusal> {
+pub(super) fn read(
+    path: &Path,
+    orbital: Option<i64>,
+    max_memory: Option<u64>,
+) -> Result<Volume, Refusal> {
     let mut lines = Lines::open(path)?;
     let header = CubeHeader::from_lines(&mut lines)?;
     let index = header.index_of(orbital)?;
     let placing = placing(header.steps, header.first)?;
+    check_room(header.size, SampleType::F32, max_memory)?;
     let samples = Samples::F32(samples(lines, &header, index)?);
     Ok(Volume { size: header.size, samples, placing })
 }
@@ -349,7 +355,7 @@ mod tests {
                     1 2 3 4\n5 6\n";
         let path = Folder::new();
         let path = path.with("a.cub", text.as_bytes());
-        let of = |orbital| Volume::read_orbital(&path, orbital).map(|volume| volume.samples);
+        let of = |orbital| Volume::read_orbital(&path, orbital, None).map(|volume| volume.samples);
         assert_eq!(of(20).unwrap(), Samples::F32(vec![1.0, 4.0]));
         assert_eq!(of(22).unwrap(), Samples::F32(vec![3.0, 6.0]));
         assert_eq!(of(1).unwrap_err(), "it has no orbital 1, but 20, 21, 22");

@@ -15,7 +15,7 @@ use super::{
     placing::placing,
 };
 
-pub(super) fn read(path: &Path) -> Result<Volume, Refusal> {
+pub(super) fn read(path: &Path, max_memory: Option<u64>) -> Result<Volume, Refusal> {
     let header = Header::read(path, line)?;
     for (name, right) in [("ObjectType", "Image"), ("NDims", "3"), ("ElementNumberOfChannels", "1")]
     {
@@ -62,7 +62,7 @@ pub(super) fn read(path: &Path) -> Result<Volume, Refusal> {
         }
         _ => {}
     }
-    let samples = stored.samples((file, length))?;
+    let samples = stored.samples((file, length), max_memory)?;
     Ok(Volume { size, samples, placing })
 }
 

@@ -27,6 +27,7 @@ mod nifti;
 mod nrrd;
 mod placing;
 mod raw;
+mod room;
 mod sampled;
 mod samples;
 #[cfg(test)]
@@ -74,15 +75,28 @@ impl Volume {
     /// # Errors
     /// Why it cannot be read, or what is wrong in it and what would be right.
     pub fn read(path: &Path, raw: Option<&RawFormat>) -> Result<Self, Refusal> {
+        Self::read_within(path, raw, None)
+    }
+
+    /// As [`Self::read`]; samples and their octree may take `max_memory` bytes, or three quarters of the
+    /// machine's where it is `None`.
+    ///
+    /// # Errors
+    /// As [`Self::read`]; also if they need more.
+    pub fn read_within(
+        path: &Path,
+        raw: Option<&RawFormat>,
+        max_memory: Option<u64>,
+    ) -> Result<Self, Refusal> {
         if let Some(format) = raw {
-            return raw::read(path, format);
+            return raw::read(path, format, max_memory);
         }
         let name = unpacked_name(path);
         match ending(&name) {
-            Some("nrrd" | "nhdr") => nrrd::read(path),
-            Some("mha" | "mhd") => metaimage::read(path),
-            Some("nii" | "hdr") => nifti::read(path),
-            Some("cube" | "cub") => cube::read(path, None),
+            Some("nrrd" | "nhdr") => nrrd::read(path, max_memory),
+            Some("mha" | "mhd") => metaimage::read(path, max_memory),
+            Some("nii" | "hdr") => nifti::read(path, max_memory),
+            Some("cube" | "cub") => cube::read(path, None, max_memory),
             Some("raw") => Err(raw::unknown(&name)),
             Some("xz") => Err("it is packed with xz: unpack it first (xz -dk)".to_owned()),
             _ => Err("the name must end in .nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz, .hdr, .cube \
@@ -94,9 +108,27 @@ impl Volume {
     /// Reads one orbital of a cube file: the one that has this number in the file's list.
     ///
     /// # Errors
-    /// As [`Self::read`]; also if there is no such orbital.
-    pub fn read_orbital(path: &Path, orbital: i64) -> Result<Self, Refusal> {
-        cube::read(path, Some(orbital))
+    /// As [`Self::read_within`]; also if there is no such orbital.
+    pub fn read_orbital(
+        path: &Path,
+        orbital: i64,
+        max_memory: Option<u64>,
+    ) -> Result<Self, Refusal> {
+        cube::read(path, Some(orbital), max_memory)
+    }
+
+    /// The bytes that the samples and an octree of them take, at most.
+    #[must_use]
+    pub fn bytes_with_octree(&self) -> u64 {
+        room::bytes_with_octree(self.samples.len() as u64, self.samples.sample_type())
+    }
+
+    /// Whether some sample is below `isovalue`, or no number.
+    #[must_use]
+    pub fn has_outside(&self, isovalue: f64) -> bool {
+        with_samples!(&self.samples, |values| values
+            .iter()
+            .any(|value| !(value.to_f64() >= isovalue)))
     }
 
     /// The smallest and the largest sample; NaN is left out, and stands for both where there is no

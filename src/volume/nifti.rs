@@ -19,7 +19,7 @@ use crate::files;
 /// The bytes of a header.
 const N_BYTES: usize = 348;
 
-pub(super) fn read(path: &Path) -> Result<Volume, Refusal> {
+pub(super) fn read(path: &Path, max_memory: Option<u64>) -> Result<Volume, Refusal> {
     let header = Header::read(path)?;
     let size = header.size()?;
     let (steps, first) = header.grid();
@@ -44,7 +44,7 @@ pub(super) fn read(path: &Path) -> Result<Volume, Refusal> {
         start: 0,
         skip: offset as u64,
     };
-    let samples = header.scaled(stored.samples(files::open(&data)?)?);
+    let samples = header.scaled(stored.samples(files::open(&data)?, max_memory)?);
     Ok(Volume { size, samples, placing })
 }
 

@@ -19,7 +19,7 @@ use super::{
     placing::placing,
 };
 
-pub(super) fn read(path: &Path) -> Result<Volume, Refusal> {
+pub(super) fn read(path: &Path, max_memory: Option<u64>) -> Result<Volume, Refusal> {
     let header = Header::read(path, line)?;
     let size = size(&header)?;
     let (steps, first) = grid(&header, size)?;
@@ -55,7 +55,7 @@ pub(super) fn read(path: &Path) -> Result<Volume, Refusal> {
         }
         None => {}
     }
-    let samples = stored.samples((file, length))?;
+    let samples = stored.samples((file, length), max_memory)?;
     Ok(Volume { size, samples, placing })
 }
 

@@ -58,7 +58,11 @@ impl RawFormat {
 }
 
 /// Reads the file as `format` says; it is unpacked if its name ends in `.gz`.
-pub(super) fn read(path: &Path, format: &RawFormat) -> Result<Volume, Refusal> {
+pub(super) fn read(
+    path: &Path,
+    format: &RawFormat,
+    max_memory: Option<u64>,
+) -> Result<Volume, Refusal> {
     let packing = match path.extension() {
         Some(ending) if ending.eq_ignore_ascii_case("gz") => Packing::Gzip,
         _ => Packing::Plain,
@@ -68,7 +72,7 @@ pub(super) fn read(path: &Path, format: &RawFormat) -> Result<Volume, Refusal> {
     let steps = DMat3::from_diagonal(spacing.into());
     let placing = placing(steps, DVec3::from_array(origin))?;
     let stored = Stored { size, sample_type, byte_order, packing, start: 0, skip };
-    let samples = stored.read(files::open(path)?).map_err(|failure| match failure {
+    let samples = stored.read(files::open(path)?, max_memory).map_err(|failure| match failure {
         Failure::Length(found) => fit::wrong_length(&stored, found),
         other => other.words(&stored),
     })?;
