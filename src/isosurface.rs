@@ -6,7 +6,7 @@ use std::{fmt, sync::OnceLock};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use crate::{
-    hrb::{self, HrbOctree, Tolerance, Value},
+    hrb::{self, HrbOctree, Storage, Tolerance, Value},
     mesh::{Border, Crossing, Extraction, Mesh, extract, offset},
     raster::Field,
     volume::{Volume, with_samples},
@@ -39,6 +39,12 @@ impl Isosurface {
     #[must_use]
     pub fn mesh(&self) -> Mesh {
         mesh(&self.volume, self.octree(), self.isovalue, self.border)
+    }
+
+    /// What the octree takes.
+    #[must_use]
+    pub fn storage(&self) -> Storage {
+        self.octree().storage()
     }
 
     fn octree(&self) -> &dyn Regions {
@@ -81,6 +87,9 @@ pub fn isosurface(volume: &Volume, isovalue: f64, tolerance: Tolerance, border: 
 
 /// An octree of values of any kind.
 pub(crate) trait Regions: fmt::Debug + Send + Sync {
+    /// What it takes.
+    fn storage(&self) -> Storage;
+
     /// The bricks near an isosurface, counted from 0.
     fn bricks(&self, isovalue: f64, border: Border) -> Vec<[u32; 3]>;
 
@@ -100,6 +109,10 @@ pub(crate) trait Regions: fmt::Debug + Send + Sync {
 pub(crate) type Vertex = ([f32; 3], [f32; 3]);
 
 impl<V: Value> Regions for HrbOctree<V> {
+    fn storage(&self) -> Storage {
+        self.storage()
+    }
+
     fn bricks(&self, isovalue: f64, border: Border) -> Vec<[u32; 3]> {
         self.grid(isovalue, border).bricks_of_voxels()
     }

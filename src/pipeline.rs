@@ -251,6 +251,7 @@ fn render_with_all_threads(
             bytes: statistics::Bytes::sum(whole.storages.iter().map(|storage| storage.bytes())),
             digests: whole.digests,
         },
+        solids: solids::statistics(scene, &shapes),
         singular,
         meshes: of_meshes,
         frame: options.find_all.then(|| statistics::Frame::from(&frame.digest())),

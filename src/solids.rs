@@ -6,6 +6,7 @@ use crate::{
     progress::Progress,
     raster,
     scene::{Scene, Shape, Solid},
+    statistics,
 };
 
 /// What the solids of a scene are like in it, in their order.
@@ -44,6 +45,21 @@ pub(crate) fn drawn<'a>(
     let drawn = shapes.iter().zip(&*scene.solids).map(solid).collect();
     progress.end();
     drawn
+}
+
+/// What the octrees of solids of these shapes take.
+pub(crate) fn statistics(scene: &Scene, shapes: &[Shape<'_>]) -> Vec<statistics::Solid> {
+    let numbers = |(solid, shape): (&Solid, &Shape<'_>)| {
+        let storage = shape.storage();
+        statistics::Solid {
+            name: solid.name.clone(),
+            samples: shape.field().size(),
+            nodes: storage.nodes,
+            regions: storage.regions,
+            bytes: storage.resident_bytes,
+        }
+    };
+    scene.solids.iter().zip(shapes).map(numbers).collect()
 }
 
 /// Says which solid there is nothing of.

@@ -30,6 +30,9 @@ pub struct Statistics {
     pub voxels: Voxels,
     /// The octrees of all surfaces.
     pub octree: Octree,
+    /// The octrees of volumes and sculptures.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub solids: Vec<Solid>,
     /// Where each surface may be singular, if all voxels were found.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub singular: Vec<Singular>,
@@ -49,6 +52,21 @@ pub struct Statistics {
     pub time_s: Times,
     /// The most memory the process has held so far; `null` where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
+}
+
+/// The octree of a volume or a sculpture.
+#[derive(Clone, Debug, Serialize)]
+pub struct Solid {
+    /// The solid's name.
+    pub name: String,
+    /// Samples along x, y and z.
+    pub samples: [u32; 3],
+    /// Divided nodes.
+    pub nodes: u64,
+    /// Regions.
+    pub regions: u64,
+    /// Bytes that it holds.
+    pub bytes: u64,
 }
 
 /// A box in scene units.

@@ -333,6 +333,22 @@ fn what_does_not_fit_says_what_would() {
 }
 
 #[test]
+fn solids_that_do_not_fit_are_not_begun() {
+    let jar = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/jar.toml");
+    let (output, directory) = render(&[jar, "--max-memory", "100K"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = stderr(&output);
+    assert!(said.contains("file = \"volumes/jar.nrrd\"") && said.contains("--max-memory"), "{said}");
+    assert!(!directory.path().join("out").exists());
+    let bumps = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/bumps.toml");
+    let (output, directory) = render(&[bumps, "--max-memory", "150M"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = stderr(&output);
+    assert!(said.contains("the volumes and sculptures need") && said.contains("`size`"), "{said}");
+    assert!(!directory.path().join("out").exists());
+}
+
+#[test]
 fn a_yield_is_a_table_and_a_plot() {
     let arguments = ["yield", "a.toml", "--threads", "1,3", "--runs", "1", "--resolution", "16"];
     let (output, directory) = render(&arguments);

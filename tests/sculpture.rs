@@ -50,6 +50,14 @@ fn forces_of_a_pushed_tool_are_written() {
 }
 
 #[test]
+fn a_sculpture_that_is_cut_away_is_no_picture() {
+    let scene = "version = 1\n[[sculpture]]\nname = 'pebble'\nf = 'r - 0.5'\nsize = 16\n\
+        [[sculpture.stroke]]\ndo = 'cut'\nat = [[0, 0, 0]]\nradius = 1\n";
+    let (is_well, said, _) = render(scene);
+    assert!(!is_well && said.contains("nothing is left of `pebble`"), "{said}");
+}
+
+#[test]
 fn a_push_ends_when_its_moments_are_over() {
     let scene = PUSHED.replace("stiffness = 40", "moments = 20");
     let (is_well, said, forces) = render(&format!("{scene}[output]\nforces = true\n"));

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     diagnostic::Diagnostic,
-    hrb::Samples,
+    hrb::{Samples, Storage},
     isosurface::Regions,
     math::Aabb,
     mesh::{Border, Mesh},
@@ -88,6 +88,12 @@ impl Carved {
     #[must_use]
     pub fn mesh(&self) -> Mesh {
         self.plan.mesh(&self.sculpture)
+    }
+
+    /// What the octree takes.
+    #[must_use]
+    pub fn storage(&self) -> Storage {
+        self.sculpture.octree().storage()
     }
 
     /// What hands have felt.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::sculpture::{Carved, Carving};
 use crate::{
+    hrb::Storage,
     isosurface::Isosurface,
     math::Aabb,
     mesh::Mesh,
@@ -87,6 +88,15 @@ impl Shape<'_> {
         match self {
             Self::Volume(isosurface) => isosurface.mesh(),
             Self::Sculpture(carved) => carved.mesh(),
+        }
+    }
+
+    /// What its octree takes.
+    #[must_use]
+    pub fn storage(&self) -> Storage {
+        match self {
+            Self::Volume(isosurface) => isosurface.storage(),
+            Self::Sculpture(carved) => carved.storage(),
         }
     }
 
