@@ -407,7 +407,7 @@ fn plan(line: CommandLine) -> Result<Plan, clap::Error> {
 
 fn render(args: RenderArgs) -> Plan {
     Plan::Render {
-        scenes: scenes(args.input),
+        scenes: Scenes { max_memory: args.max_memory, ..scenes(args.input) },
         options: Options {
             simd: args.simd,
             max_memory: args.max_memory,
