@@ -1,7 +1,7 @@
 //! A divided node of 8³ samples: which of its parts are divided, and the values of its regions.
 
 use super::{
-    octree::{Region, Storage, octant},
+    octree::{Region, Storage},
     sample::Value,
 };
 use crate::mesh::{SIDE, Slices, VOXELS, index_of, slices};
@@ -37,30 +37,39 @@ pub(super) static PLACES: [u16; VOXELS] = {
     places
 };
 
+/// Where the samples of a brick, x fastest, stand in Morton order.
+static IN_MORTON_ORDER: [u16; VOXELS] = {
+    let mut order = [0; VOXELS];
+    let mut m = 0;
+    while m < VOXELS {
+        order[PLACES[m] as usize] = m as u16;
+        m += 1;
+    }
+    order
+};
+
 impl<V: Value> Brick<V> {
-    /// The number of the region that holds a sample, and its level.
+    /// The number of the region that holds a sample, counted x fastest.
     #[inline]
-    fn find(&self, p: [u32; 3]) -> (usize, u8) {
+    fn find(&self, index: usize) -> usize {
         if self.is_finest() {
-            return (index_of(p), 0);
+            return index;
         }
-        let (c, d) = (octant(p, 2), octant(p, 1));
-        let of_four = c
-            + 7 * (self.fours & ((1 << c) - 1)).count_ones() as usize
-            + 7 * (self.twos & ((1 << (8 * c)) - 1)).count_ones() as usize;
-        if self.fours >> c & 1 == 0 {
-            return (of_four, 2);
-        }
-        let within = (self.twos >> (8 * c)) as u8;
-        let of_two = of_four + d + 7 * (within & ((1 << d) - 1)).count_ones() as usize;
-        if within >> d & 1 == 0 { (of_two, 1) } else { (of_two + octant(p, 0), 0) }
+        let m = usize::from(IN_MORTON_ORDER[index]);
+        let (c, level) = (m / 64, self.level_at(index));
+        // The first sample of its region.
+        let first = m >> (3 * level) << (3 * level);
+        // One of every part before it, and seven more of each that is divided.
+        let fours = (self.fours & ((1 << c) - 1)).count_ones();
+        let twos = (self.twos & ((1 << (first / 8)) - 1)).count_ones();
+        c + first / 8 % 8 + first % 8 + 7 * (fours + twos) as usize
     }
 
-    /// The level of the region that holds a sample.
+    /// The level of the region that holds a sample, counted x fastest.
     #[inline]
-    pub(super) fn level_at(&self, p: [u32; 3]) -> u8 {
-        let (c, d) = (octant(p, 2), octant(p, 1));
-        match (self.fours >> c & 1, self.twos >> (8 * c + d) & 1) {
+    pub(super) fn level_at(&self, index: usize) -> u8 {
+        let m = IN_MORTON_ORDER[index];
+        match (self.fours >> (m / 64) & 1, self.twos >> (m / 8) & 1) {
             (0, _) => 2,
             (_, 0) => 1,
             _ => 0,
@@ -70,7 +79,8 @@ impl<V: Value> Brick<V> {
     /// The region that holds a sample.
     #[inline]
     pub(super) fn region_at(&self, p: [u32; 3]) -> Region<V> {
-        let (number, level) = self.find(p);
+        let index = index_of(p);
+        let (number, level) = (self.find(index), self.level_at(index));
         Region {
             base: p.map(|i| i >> level << level),
             level,
@@ -82,8 +92,7 @@ impl<V: Value> Brick<V> {
     /// The value of the region that holds a sample, counted x fastest.
     #[inline]
     pub(super) fn value(&self, index: usize) -> V {
-        let number = if self.is_finest() { index } else { self.find(place_of(index)).0 };
-        self.values[number]
+        self.values[self.find(index)]
     }
 
     /// Which samples have regions with such a value.
@@ -201,12 +210,6 @@ impl<V: Value> Brick<V> {
         storage.resident_bytes +=
             (size_of::<Self>() + size_of_val(&*self.values) + self.corners.len()) as u64;
     }
-}
-
-/// The place of a sample in its brick.
-#[inline]
-pub(super) fn place_of(index: usize) -> [u32; 3] {
-    [index % 8, index / 8 % 8, index / 64].map(|i| i as u32)
 }
 
 /// Fills a cube of a brick.

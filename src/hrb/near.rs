@@ -3,7 +3,7 @@
 use std::array;
 
 use super::{
-    brick::{Brick, place_of},
+    brick::Brick,
     octree::Tree,
     sample::Value,
 };
@@ -96,7 +96,7 @@ impl<V: Value> Voxels for NearVoxels<'_, V> {
     fn level(&self, index: usize) -> u8 {
         let like = self.beyond.as_ref().map_or(index, |beyond| beyond.place(index));
         match &self.own {
-            Own::Brick(brick, _) => brick.level_at(place_of(like)),
+            Own::Brick(brick, _) => brick.level_at(like),
             Own::Region(_, level) => *level,
         }
     }

@@ -4,6 +4,8 @@
 //! smaller voxel, or of equal ones to the lower one, and is a bit of that voxel's brick: its number is
 //! the count of bits before it.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::{
@@ -14,7 +16,7 @@ use super::{
 /// Directions from a voxel to its neighbours: +x, +y, +z, −x, −y, −z.
 const DIRECTIONS: usize = 6;
 /// Eight for each direction, one for each slice of the brick.
-pub(super) const WORDS: usize = DIRECTIONS * VOXELS / 64;
+const WORDS: usize = DIRECTIONS * VOXELS / 64;
 
 /// A dual edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,6 +150,13 @@ impl Cuts {
 
     pub(super) fn count(&self) -> u32 {
         u32::from(self.before[WORDS - 1]) + self.bits[WORDS - 1].count_ones()
+    }
+
+    /// The words of edges that leave voxels against an axis, if there are any.
+    #[inline]
+    pub(super) fn downwards(&self) -> Range<usize> {
+        let n_upwards = u32::from(self.before[WORDS / 2]);
+        if self.count() == n_upwards { 0..0 } else { WORDS / 2..WORDS }
     }
 
     /// The number of an edge among those of the brick.

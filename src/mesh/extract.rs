@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use super::{
     cases::{CASES, Case, Loop},
     cells::CellBits,
-    cuts::{Cuts, DualEdge, WORDS},
+    cuts::{Cuts, DualEdge},
     grid::{Border, Grid, Leaf, RUN, SIDE, VOXELS, Voxels},
     halo::Halo,
     numbers::{Numbers, STEPS_TO, cell_at},
@@ -94,11 +94,11 @@ pub fn extract<B: Voxels, T: Copy + Default + Send>(
         runs.push((bricks, own));
         rest = others;
     }
-    let triangles_of = |(bricks, own): (Range<usize>, &mut [T])| {
+    let triangles_of = |(bricks, own): &mut (Range<usize>, &mut [T])| {
         let mut triangles = Vec::with_capacity(5 * own.len() / 2);
         let mut own = own.iter_mut();
         let mut numbers = Numbers::default();
-        for number in bricks {
+        for number in bricks.clone() {
             let halo = Halo::new(grid, number);
             let cells = halo.cells();
             edges.each_crossing(&halo, &cells, |crossing| {
@@ -110,8 +110,14 @@ pub fn extract<B: Voxels, T: Copy + Default + Send>(
         }
         triangles
     };
-    let triangles: Vec<Vec<[u32; 3]>> = runs.into_par_iter().map(triangles_of).collect();
-    Extraction { vertices, triangles: triangles.concat() }
+    // A closed surface has about two for each vertex. What a few runs have found is set down before the
+    // next ones are begun, so that these find their memory where it still is at hand.
+    let mut triangles = Vec::with_capacity(9 * n_vertices as usize / 4);
+    for some in runs.chunks_mut(4 * rayon::current_num_threads()) {
+        let found: Vec<Vec<[u32; 3]>> = some.par_iter_mut().map(triangles_of).collect();
+        found.iter().for_each(|found| triangles.extend_from_slice(found));
+    }
+    Extraction { vertices, triangles }
 }
 
 /// Some bricks of a grid, extracted by themselves.
@@ -188,7 +194,7 @@ impl<B: Voxels> Edges<'_, B> {
         self.each_upwards::<0>(halo, cells, cuts, &mut tell);
         self.each_upwards::<1>(halo, cells, cuts, &mut tell);
         self.each_upwards::<2>(halo, cells, cuts, &mut tell);
-        for word in WORDS / 2..WORDS {
+        for word in cuts.downwards() {
             cuts.each(word, u64::MAX, |bit, _| {
                 let slot = 64 * word + bit;
                 tell(&self.crossing(halo, slot % VOXELS, slot / VOXELS));
@@ -205,11 +211,12 @@ impl<B: Voxels> Edges<'_, B> {
         cuts: &Cuts,
         tell: &mut impl FnMut(&Crossing),
     ) {
-        let first = halo.origin.map(|i| i.wrapping_add(1).wrapping_sub(SIDE) as f32 + 0.5);
+        let first = [0, 1, 2].map(|axis| halo.first(axis).wrapping_sub(SIDE) as f32 + 0.5);
+        let inner = halo.without_phantoms(AXIS);
         for z in 0..SIDE as usize {
             // Edges between two of the finest voxels, which are most.
             let coarse = cells.coarse.at(0, z) | cells.coarse.after(0, z, AXIS);
-            let plain = if halo.is_bordering { 0 } else { !coarse };
+            let plain = inner[z] & !coarse;
             let word = 8 * AXIS + z;
             cuts.each(word, u64::MAX, |bit, _| {
                 let index = 64 * z + bit;
@@ -267,6 +274,9 @@ impl<B: Voxels> Edges<'_, B> {
         numbers: &mut Numbers,
         triangles: &mut Vec<[u32; 3]>,
     ) {
+        if (0..SIDE as usize).all(|z| cells.mixed(z) == 0) {
+            return;
+        }
         numbers.fill(self, halo, cells);
         let plain = &*PLAIN;
         for z in 0..SIDE as usize {

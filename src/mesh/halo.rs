@@ -104,15 +104,30 @@ impl<'a, B: Voxels> Halo<'a, B> {
         if !self.is_bordering {
             return [u64::MAX; SIDE as usize];
         }
-        let bits = |axis: usize| {
+        in_brick(|axis, i| {
             let step = (k / STEPS[axis] % 3) as u32 * SIDE;
-            let first = self.origin[axis].wrapping_add(1).wrapping_add(step).wrapping_sub(SIDE);
-            let held = |i: u32| self.grid.holds(axis, first.wrapping_add(i));
-            (0..SIDE).fold(0, |bits, i| bits | u64::from(held(i)) << i)
-        };
-        let (xs, ys, zs) = (bits(0), bits(1), bits(2));
-        let slice = (0..8).fold(0, |slice, y| slice | (xs * (ys >> y & 1)) << (8 * y));
-        array::from_fn(|z| slice * (zs >> z & 1))
+            let first = self.first(axis).wrapping_add(step).wrapping_sub(SIDE);
+            self.grid.holds(axis, first.wrapping_add(i))
+        })
+    }
+
+    /// Which edges from the voxels of the brick along `axis` are between voxels, not phantoms.
+    #[inline]
+    pub(super) fn without_phantoms(&self, axis: usize) -> Slices {
+        if !self.is_bordering {
+            return [u64::MAX; SIDE as usize];
+        }
+        in_brick(|along, i| {
+            let at = self.first(along).wrapping_add(i);
+            let is_voxel = |i: u32| self.grid.is_voxel(along, i);
+            is_voxel(at) && (along != axis || is_voxel(at + 1))
+        })
+    }
+
+    /// The coordinate of the brick's first voxels.
+    #[inline]
+    pub(super) fn first(&self, axis: usize) -> u32 {
+        self.origin[axis].wrapping_add(1)
     }
 
     /// The voxel that holds a place.
@@ -225,6 +240,15 @@ impl<'a, B: Voxels> Halo<'a, B> {
     pub(super) fn number(&self) -> usize {
         self.numbers[MIDDLE] as usize
     }
+}
+
+/// The voxels of a brick of which something is true along each axis.
+#[inline]
+fn in_brick(is: impl Fn(usize, u32) -> bool) -> Slices {
+    let bits = |axis: usize| (0..SIDE).fold(0, |bits, i| bits | u64::from(is(axis, i)) << i);
+    let (xs, ys, zs) = (bits(0), bits(1), bits(2));
+    let slice = (0..8).fold(0, |slice, y| slice | (xs * (ys >> y & 1)) << (8 * y));
+    array::from_fn(|z| slice * (zs >> z & 1))
 }
 
 /// The number in its brick of the voxel at a place.

@@ -50,7 +50,7 @@ impl Numbers {
                 if step[axis] == 0 {
                     self.take(cuts, first, axis, step);
                 }
-                if halo.has_coarse {
+                if !cuts.downwards().is_empty() {
                     self.take(cuts, first, axis + 3, step);
                 }
             }
