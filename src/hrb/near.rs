@@ -7,7 +7,7 @@ use super::{
     octree::Tree,
     sample::Value,
 };
-use crate::mesh::{self, Border, SIDE, Slices, Voxels, offset};
+use crate::mesh::{self, Border, SIDE, Slices, VOXELS, Voxels, offset};
 
 /// See the file's text; what lies beyond the volume is like the samples at its border, which are those
 /// of one brick, or outside.
@@ -89,6 +89,18 @@ impl<V: Value> Voxels for NearVoxels<'_, V> {
         match &self.own {
             Own::Brick(brick, isovalue) => offset(brick.value(index).to_f64(), *isovalue),
             Own::Region(offset, _) => *offset,
+        }
+    }
+
+    #[inline]
+    fn offsets(&self, all: &mut [f32; VOXELS]) {
+        match (&self.own, &self.beyond) {
+            (Own::Brick(brick, isovalue), None) => {
+                for (own, value) in all.iter_mut().zip(brick.samples()) {
+                    *own = offset(value.to_f64(), *isovalue);
+                }
+            }
+            _ => (0..VOXELS).for_each(|index| all[index] = self.offset(index)),
         }
     }
 

@@ -75,9 +75,26 @@ impl CellBits {
         any & !all & known.all(z) & known.all(z + 1)
     }
 
-    /// The octants of one of them that lie inside, as bits.
+    /// Whether there are no such cells.
     #[inline]
-    pub(super) fn case(&self, z: usize, bit: usize) -> usize {
+    pub(super) fn are_alike(&self) -> bool {
+        (0..SIDE as usize).all(|z| self.mixed(z) == 0)
+    }
+
+    /// Calls `tell` with the place of each of them and its octants that lie inside, as bits.
+    #[inline]
+    pub(super) fn each_mixed(&self, z: usize, mut tell: impl FnMut(usize, usize)) {
+        let mut rest = self.mixed(z);
+        while rest != 0 {
+            let bit = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            tell(bit, self.case(z, bit));
+        }
+    }
+
+    /// The octants of a cell that lie inside, as bits.
+    #[inline]
+    fn case(&self, z: usize, bit: usize) -> usize {
         let octants = |z: usize| {
             let [a, b, c, d] = self.inside.0[z].map(|word| (word >> bit & 1) as usize);
             a | b << 1 | c << 2 | d << 3

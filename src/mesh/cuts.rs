@@ -9,6 +9,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::{
+    cases::n_triangles,
     grid::{Grid, Leaf, SIDE, VOXELS, Voxels, index_of},
     halo::Halo,
 };
@@ -54,11 +55,13 @@ pub(super) struct Cuts {
     before: [u16; WORDS],
     /// Whether voxels of the brick that are larger than the finest have cut edges to others that are.
     pub(super) has_large: bool,
+    /// As many triangles as its cells have, or more where some of them are collapsed.
+    room: u16,
 }
 
 impl Default for Cuts {
     fn default() -> Self {
-        Self { bits: [0; WORDS], before: [0; WORDS], has_large: false }
+        Self { bits: [0; WORDS], before: [0; WORDS], has_large: false, room: 0 }
     }
 }
 
@@ -131,6 +134,9 @@ impl Cuts {
             }
         }
         self.number();
+        for z in 0..SIDE as usize {
+            cells.each_mixed(z, |_, case| self.room += u16::from(n_triangles(case)));
+        }
         far
     }
 
@@ -146,6 +152,11 @@ impl Cuts {
             *before = n;
             n += bits.count_ones() as u16;
         }
+    }
+
+    /// As many triangles as its cells have, or more.
+    pub(super) fn room(&self) -> usize {
+        self.room.into()
     }
 
     pub(super) fn count(&self) -> u32 {

@@ -78,46 +78,67 @@ pub fn extract<B: Voxels, T: Copy + Default + Send>(
     grid: &Grid<B>,
     vertex: impl Fn(&Crossing) -> T + Sync,
 ) -> Extraction<T> {
-    let n = grid.bricks.len();
-    let mut cuts = vec![Cuts::default(); n];
+    let mut cuts = vec![Cuts::default(); grid.bricks.len()];
     Cuts::find(&mut cuts, grid, |_| true);
     let firsts = Cuts::firsts(&cuts);
-    let n_vertices: u32 = cuts.iter().map(Cuts::count).sum();
     let edges = Edges { grid, cuts, firsts };
+    let n_vertices: u32 = edges.cuts.iter().map(Cuts::count).sum();
+    let room: usize = edges.cuts.iter().map(Cuts::room).sum();
     let mut vertices = vec![T::default(); n_vertices as usize];
-    let mut rest = vertices.as_mut_slice();
-    let mut runs = Vec::with_capacity(n.div_ceil(RUN));
-    for first in (0..n).step_by(RUN) {
-        let bricks = first..(first + RUN).min(n);
-        let count: u32 = edges.cuts[bricks.clone()].iter().map(Cuts::count).sum();
-        let (own, others) = rest.split_at_mut(count as usize);
-        runs.push((bricks, own));
-        rest = others;
-    }
-    let triangles_of = |(bricks, own): &mut (Range<usize>, &mut [T])| {
-        let mut triangles = Vec::with_capacity(5 * own.len() / 2);
-        let mut own = own.iter_mut();
-        let mut numbers = Numbers::default();
-        for number in bricks.clone() {
+    let mut triangles = vec![[0; 3]; room];
+    let parts = shared_out(&edges.cuts, &mut vertices, &mut triangles);
+    let extract = |(bricks, vertices, triangles): (Range<usize>, &mut [T], &mut [[u32; 3]])| {
+        let (room, mut vertices) = (triangles.len(), vertices.iter_mut());
+        let mut triangles = triangles.iter_mut();
+        let (mut offsets, mut numbers) = (Offsets::default(), Numbers::default());
+        for number in bricks {
             let halo = Halo::new(grid, number);
             let cells = halo.cells();
-            edges.each_crossing(&halo, &cells, |crossing| {
-                if let Some(place) = own.next() {
+            edges.each_crossing(&halo, &cells, &mut offsets, |crossing| {
+                if let Some(place) = vertices.next() {
                     *place = vertex(crossing);
                 }
             });
-            edges.triangles(&halo, &cells, &mut numbers, &mut triangles);
+            edges.each_triangle(&halo, &cells, &mut numbers, |triangle| {
+                if let Some(place) = triangles.next() {
+                    *place = triangle;
+                }
+            });
         }
-        triangles
+        [room, room - triangles.len()]
     };
-    // A closed surface has about two for each vertex. What a few runs have found is set down before the
-    // next ones are begun, so that these find their memory where it still is at hand.
-    let mut triangles = Vec::with_capacity(9 * n_vertices as usize / 4);
-    for some in runs.chunks_mut(4 * rayon::current_num_threads()) {
-        let found: Vec<Vec<[u32; 3]>> = some.par_iter_mut().map(triangles_of).collect();
-        found.iter().for_each(|found| triangles.extend_from_slice(found));
-    }
+    let found: Vec<[usize; 2]> = parts.into_par_iter().map(extract).collect();
+    close_up(&mut triangles, &found);
     Extraction { vertices, triangles }
+}
+
+/// Runs of bricks, each with the places of its vertices and of its triangles.
+fn shared_out<'a, T>(
+    cuts: &[Cuts],
+    mut vertices: &'a mut [T],
+    mut triangles: &'a mut [[u32; 3]],
+) -> Vec<(Range<usize>, &'a mut [T], &'a mut [[u32; 3]])> {
+    let part = |(first, cuts): (usize, &[Cuts])| {
+        let n_vertices: u32 = cuts.iter().map(Cuts::count).sum();
+        let room = cuts.iter().map(Cuts::room).sum();
+        let bricks = RUN * first..RUN * first + cuts.len();
+        let own = vertices.split_off_mut(..n_vertices as usize).unwrap_or_default();
+        (bricks, own, triangles.split_off_mut(..room).unwrap_or_default())
+    };
+    cuts.chunks(RUN).enumerate().map(part).collect()
+}
+
+/// Moves what parts have together, given how much each has room for and how much it has.
+fn close_up<T: Copy>(all: &mut Vec<T>, parts: &[[usize; 2]]) {
+    let (mut start, mut end) = (0, 0);
+    for &[room, n] in parts {
+        if start > end {
+            all.copy_within(start..start + n, end);
+        }
+        start += room;
+        end += n;
+    }
+    all.truncate(end);
 }
 
 /// Some bricks of a grid, extracted by themselves.
@@ -160,13 +181,14 @@ pub(super) fn extract_parts<B: Voxels>(
         let n: u32 = wanted.iter().map(|&number| edges.cuts[number].count()).sum();
         let mut vertices = Vec::with_capacity(n as usize);
         let mut triangles = Vec::with_capacity(5 * n as usize / 2);
-        let mut numbers = Numbers::default();
+        let (mut offsets, mut numbers) = (Offsets::default(), Numbers::default());
         let of_brick = |&number: &usize| {
             let before = triangles.len();
             let halo = Halo::new(grid, number);
             let cells = halo.cells();
-            edges.each_crossing(&halo, &cells, |crossing| vertices.push(*crossing));
-            edges.triangles(&halo, &cells, &mut numbers, &mut triangles);
+            let push = |crossing: &Crossing| vertices.push(*crossing);
+            edges.each_crossing(&halo, &cells, &mut offsets, push);
+            edges.each_triangle(&halo, &cells, &mut numbers, |triangle| triangles.push(triangle));
             (number, triangles.len() - before)
         };
         let bricks = wanted.iter().map(of_brick).collect();
@@ -189,11 +211,17 @@ pub(super) struct Edges<'a, B> {
 impl<B: Voxels> Edges<'_, B> {
     /// Calls `tell` with the vertex on every cut edge of a brick's own, in order.
     #[inline]
-    fn each_crossing(&self, halo: &Halo<'_, B>, cells: &CellBits, mut tell: impl FnMut(&Crossing)) {
+    fn each_crossing(
+        &self,
+        halo: &Halo<'_, B>,
+        cells: &CellBits,
+        offsets: &mut Offsets,
+        mut tell: impl FnMut(&Crossing),
+    ) {
         let cuts = &self.cuts[halo.number()];
-        self.each_upwards::<0>(halo, cells, cuts, &mut tell);
-        self.each_upwards::<1>(halo, cells, cuts, &mut tell);
-        self.each_upwards::<2>(halo, cells, cuts, &mut tell);
+        self.each_upwards::<0>(halo, cells, offsets, &mut tell);
+        self.each_upwards::<1>(halo, cells, offsets, &mut tell);
+        self.each_upwards::<2>(halo, cells, offsets, &mut tell);
         for word in cuts.downwards() {
             cuts.each(word, u64::MAX, |bit, _| {
                 let slot = 64 * word + bit;
@@ -208,22 +236,22 @@ impl<B: Voxels> Edges<'_, B> {
         &self,
         halo: &Halo<'_, B>,
         cells: &CellBits,
-        cuts: &Cuts,
+        offsets: &mut Offsets,
         tell: &mut impl FnMut(&Crossing),
     ) {
+        let cuts = &self.cuts[halo.number()];
         let first = [0, 1, 2].map(|axis| halo.first(axis).wrapping_sub(SIDE) as f32 + 0.5);
         let inner = halo.without_phantoms(AXIS);
         for z in 0..SIDE as usize {
             // Edges between two of the finest voxels, which are most.
             let coarse = cells.coarse.at(0, z) | cells.coarse.after(0, z, AXIS);
             let plain = inner[z] & !coarse;
-            let word = 8 * AXIS + z;
-            cuts.each(word, u64::MAX, |bit, _| {
+            cuts.each(8 * AXIS + z, u64::MAX, |bit, _| {
                 let index = 64 * z + bit;
                 if plain >> bit & 1 == 0 {
                     return tell(&self.crossing(halo, index, AXIS));
                 }
-                let offsets = halo.offsets_along::<AXIS>(index);
+                let offsets = offsets.along::<AXIS, B>(halo, index);
                 let steps = [bit % 8, bit / 8, z];
                 let lower = [0, 1, 2].map(|axis| first[axis] + steps[axis] as f32);
                 let mut upper = lower;
@@ -265,41 +293,33 @@ impl<B: Voxels> Edges<'_, B> {
         Crossing { ends, offsets: [f, g], part, is_cap }
     }
 
-    /// The triangles of the cells whose first voxel is in a brick.
+    /// Calls `tell` with the triangles of the cells whose first voxel is in a brick.
     #[inline]
-    fn triangles(
+    fn each_triangle(
         &self,
         halo: &Halo<'_, B>,
         cells: &CellBits,
         numbers: &mut Numbers,
-        triangles: &mut Vec<[u32; 3]>,
+        mut tell: impl FnMut([u32; 3]),
     ) {
-        if (0..SIDE as usize).all(|z| cells.mixed(z) == 0) {
+        if cells.are_alike() {
             return;
         }
         numbers.fill(self, halo, cells);
         let plain = &*PLAIN;
         for z in 0..SIDE as usize {
-            let mut rest = cells.mixed(z);
-            if rest == 0 {
-                continue;
-            }
             let collapsed = if halo.has_coarse { cells.at_large(z) } else { 0 };
-            while rest != 0 {
-                let bit = rest.trailing_zeros() as usize;
-                rest &= rest - 1;
-                let (case, at) = (cells.case(z, bit), [1 + bit % 8, 1 + bit / 8, 1 + z]);
+            cells.each_mixed(z, |bit, case| {
+                let at = [1 + bit % 8, 1 + bit / 8, 1 + z];
                 if collapsed >> bit & 1 == 1 {
-                    collapsed_cell(halo, at, &CASES[case], numbers, triangles);
-                    continue;
+                    return each_collapsed(halo, at, &CASES[case], numbers, &mut tell);
                 }
                 let Plain { n, corners } = &plain[case];
                 let cell = cell_at(at);
-                for &[a, b, c] in &corners[..*n] {
-                    let corner = |steps| numbers.of(cell, steps);
-                    triangles.push([corner(a), corner(b), corner(c)]);
+                for corners in &corners[..*n] {
+                    tell(corners.map(|steps| numbers.of(cell, steps)));
                 }
-            }
+            });
         }
     }
 
@@ -310,14 +330,48 @@ impl<B: Voxels> Edges<'_, B> {
     }
 }
 
-/// The triangles of a cell with vertices on edges between voxels that are larger than the finest, of
-/// which some may be one.
-fn collapsed_cell<B: Voxels>(
+/// How far the values of one brick after the other are above the isovalue.
+struct Offsets {
+    /// The number of the brick.
+    brick: usize,
+    all: Box<[f32; VOXELS]>,
+}
+
+impl Default for Offsets {
+    fn default() -> Self {
+        Self { brick: usize::MAX, all: Box::new([0.0; VOXELS]) }
+    }
+}
+
+impl Offsets {
+    /// Those at a voxel of a brick and at the next one along an axis; there must be one.
+    #[inline]
+    fn along<const AXIS: usize, B: Voxels>(
+        &mut self,
+        halo: &Halo<'_, B>,
+        index: usize,
+    ) -> [f32; 2] {
+        if self.brick != halo.number() {
+            self.brick = halo.number();
+            halo.offsets(&mut self.all);
+        }
+        let step = 1 << (3 * AXIS);
+        let upper = match index >> (3 * AXIS) & 7 {
+            7 => halo.offset_after::<AXIS>(index - 7 * step),
+            _ => self.all[index + step],
+        };
+        [self.all[index], upper]
+    }
+}
+
+/// Calls `tell` with the triangles of a cell with vertices on edges between voxels that are larger than
+/// the finest, of which some may be one.
+fn each_collapsed<B: Voxels>(
     halo: &Halo<'_, B>,
     at: [usize; 3],
     case: &Case,
     numbers: &Numbers,
-    triangles: &mut Vec<[u32; 3]>,
+    tell: &mut impl FnMut([u32; 3]),
 ) {
     if !halo.is_corner(at) {
         return;
@@ -325,7 +379,7 @@ fn collapsed_cell<B: Voxels>(
     let cell = cell_at(at);
     for edges in &case.loops {
         let vertex = |edge: u8| numbers.of(cell, STEPS_TO[usize::from(edge)]);
-        triangles.extend(Loop::collapsed(edges, vertex).triangles());
+        Loop::collapsed(edges, vertex).triangles().for_each(&mut *tell);
     }
 }
 

@@ -59,6 +59,12 @@ pub trait Voxels: Send + Sync {
     /// How far the value at a voxel, x fastest, is above the isovalue, as [`offset`].
     fn offset(&self, index: usize) -> f32;
 
+    /// The same of all voxels.
+    #[inline]
+    fn offsets(&self, all: &mut [f32; VOXELS]) {
+        (0..VOXELS).for_each(|index| all[index] = self.offset(index));
+    }
+
     /// The voxel's edge is `2^level` of the finest.
     fn level(&self, index: usize) -> u8;
 }

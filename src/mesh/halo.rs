@@ -7,7 +7,7 @@ use std::array;
 use super::{
     cells::{CellBits, FIRST_X, Words},
     cuts::DualEdge,
-    grid::{Brick, Grid, Leaf, NO_BRICK, SIDE, Slices, Voxels, index_of},
+    grid::{Brick, Grid, Leaf, NO_BRICK, SIDE, Slices, VOXELS, Voxels, index_of},
 };
 
 /// Voxels along an edge, with both layers.
@@ -174,20 +174,18 @@ impl<'a, B: Voxels> Halo<'a, B> {
         (self.grid.leaf(brick, p), brick.voxels.offset(index_of(p)))
     }
 
-    /// How far the values at a voxel of the brick and the next one along an axis are above the isovalue;
-    /// there must be one.
+    /// How far the value at a voxel of the next brick along an axis is above the isovalue; there must be
+    /// one.
     #[inline]
-    pub(super) fn offsets_along<const AXIS: usize>(&self, index: usize) -> [f32; 2] {
-        let step = 1 << (3 * AXIS);
-        let own = &self.grid.bricks[self.number()].voxels;
-        let upper = match index >> (3 * AXIS) & 7 {
-            7 => {
-                let next = self.numbers[MIDDLE + STEPS[AXIS]];
-                self.grid.bricks[next as usize].voxels.offset(index - 7 * step)
-            }
-            _ => own.offset(index + step),
-        };
-        [own.offset(index), upper]
+    pub(super) fn offset_after<const AXIS: usize>(&self, index: usize) -> f32 {
+        let next = self.numbers[MIDDLE + STEPS[AXIS]];
+        self.grid.bricks[next as usize].voxels.offset(index)
+    }
+
+    /// How far the values of the brick are above the isovalue.
+    #[inline]
+    pub(super) fn offsets(&self, all: &mut [f32; VOXELS]) {
+        self.grid.bricks[self.number()].voxels.offsets(all);
     }
 
     /// The dual edge between the voxels at a place and the next one along `axis`.
