@@ -4,7 +4,7 @@ use super::{
     octree::{Region, Storage},
     sample::Value,
 };
-use crate::mesh::{SIDE, Slices, VOXELS, index_of, slices};
+use crate::mesh::{Slices, VOXELS, index_of, slices};
 
 /// See the file's text.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +47,9 @@ static IN_MORTON_ORDER: [u16; VOXELS] = {
     }
     order
 };
+
+/// From the first sample of a part of 2³ to each, in Morton order.
+const STEPS: [usize; 8] = [0, 1, 8, 9, 64, 65, 72, 73];
 
 impl<V: Value> Brick<V> {
     /// The number of the region that holds a sample, counted x fastest.
@@ -98,16 +101,10 @@ impl<V: Value> Brick<V> {
     /// Which samples have regions with such a value.
     #[inline]
     pub(super) fn slices(&self, is: impl Fn(V) -> bool) -> Slices {
-        if self.is_finest() {
-            return slices(&self.values, |value| is(*value));
+        match self.is_finest() {
+            true => slices(&self.values, |value| is(*value)),
+            false => slices(&self.samples(), |value| is(*value)),
         }
-        let mut slices = [0; SIDE as usize];
-        self.regions(|number, first, level| {
-            if is(self.values[number]) {
-                mark(&mut slices, first, level);
-            }
-        });
-        slices
     }
 
     /// Whether all regions are single samples.
@@ -141,14 +138,28 @@ impl<V: Value> Brick<V> {
     }
 
     /// All samples, x fastest.
+    #[inline]
     pub(super) fn samples(&self) -> [V; VOXELS] {
         let mut samples = [V::default(); VOXELS];
         if self.is_finest() {
             samples.copy_from_slice(&self.values);
-        } else {
-            self.regions(|number, first, level| {
-                fill(&mut samples, first, level, self.values[number]);
-            });
+            return samples;
+        }
+        let mut values = &*self.values;
+        for g in 0..VOXELS / 8 {
+            let place = usize::from(PLACES[8 * g]);
+            let own = &mut samples[place..place + STEPS[7] + 1];
+            if self.twos >> g & 1 == 1 && let Some((eight, rest)) = values.split_first_chunk::<8>() {
+                (0..8).for_each(|c| own[STEPS[c]] = eight[c]);
+                values = rest;
+                continue;
+            }
+            let Some((&one, rest)) = values.split_first() else { break };
+            STEPS.into_iter().for_each(|step| own[step] = one);
+            // The parts of one that is not divided have one region together.
+            if self.fours >> (g / 8) & 1 == 1 || g % 8 == 7 {
+                values = rest;
+            }
         }
         samples
     }
@@ -209,27 +220,5 @@ impl<V: Value> Brick<V> {
         storage.cells += self.corners.iter().map(|c| u64::from(c.count_ones())).sum::<u64>();
         storage.resident_bytes +=
             (size_of::<Self>() + size_of_val(&*self.values) + self.corners.len()) as u64;
-    }
-}
-
-/// Fills a cube of a brick.
-#[inline]
-fn fill<T: Copy>(all: &mut [T; VOXELS], first: usize, level: u8, value: T) {
-    let (side, n) = (SIDE as usize, 1 << level);
-    for z in 0..n {
-        for y in 0..n {
-            let row = first + side * (y + side * z);
-            all[row..row + n].fill(value);
-        }
-    }
-}
-
-/// Sets the bits of a cube of a brick.
-#[inline]
-fn mark(slices: &mut Slices, first: usize, level: u8) {
-    const SQUARES: [u64; 3] = [1, 0x0303, 0x0f0f_0f0f];
-    let (z, level) = (first / 64, usize::from(level));
-    for slice in &mut slices[z..z + (1 << level)] {
-        *slice |= SQUARES[level] << (first % 64);
     }
 }

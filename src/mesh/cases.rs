@@ -53,14 +53,8 @@ pub(super) struct Case {
 pub(super) static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| (0..=u8::MAX).map(case).collect());
 
 /// How many triangles each has.
-static N_TRIANGLES: LazyLock<[u8; 256]> =
+pub(super) static N_TRIANGLES: LazyLock<[u8; 256]> =
     LazyLock::new(|| array::from_fn(|inside| CASES[inside].triangles.len() as u8));
-
-/// How many triangles there are with these octants inside, if no two of them meet at one place.
-#[inline]
-pub(super) fn n_triangles(inside: usize) -> u8 {
-    N_TRIANGLES[inside]
-}
 
 fn case(inside: u8) -> Case {
     let loops = loops(inside);

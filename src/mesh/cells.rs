@@ -15,6 +15,9 @@ pub(super) const LAST_Y: u64 = FIRST_Y << 56;
 pub(super) struct Words([[u64; 4]; SIDE as usize + 1]);
 
 impl Words {
+    /// True of all.
+    pub(super) const ALL: Self = Self([[u64::MAX; 4]; SIDE as usize + 1]);
+
     /// Of what `of` tells of the bricks from a brick on, by steps of x + 3y + 9z.
     #[inline]
     pub(super) fn new(of: impl Fn(usize) -> Slices) -> Self {

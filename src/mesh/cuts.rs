@@ -9,7 +9,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::{
-    cases::n_triangles,
+    cases::N_TRIANGLES,
     grid::{Grid, Leaf, SIDE, VOXELS, Voxels, index_of},
     halo::Halo,
 };
@@ -134,8 +134,9 @@ impl Cuts {
             }
         }
         self.number();
+        let n_triangles = &*N_TRIANGLES;
         for z in 0..SIDE as usize {
-            cells.each_mixed(z, |_, case| self.room += u16::from(n_triangles(case)));
+            cells.each_mixed(z, |_, case| self.room += u16::from(n_triangles[case]));
         }
         far
     }

@@ -129,16 +129,16 @@ impl<B: Voxels> Brick<B> {
         self.has_coarse && 1 << self.voxels.level(0) >= SIDE
     }
 
-    /// Whether a voxel beside another brick is inside, or outside; this one is the one number
-    /// x, y, z of the 27 around that.
-    pub(crate) fn meets(&self, [x, y, z]: [usize; 3], inside: bool) -> bool {
+    /// Whether of the voxels beside another brick some are inside, and whether some are outside; this
+    /// brick is the one number x, y, z of the 27 around that.
+    pub(crate) fn shows(&self, [x, y, z]: [usize; 3]) -> [bool; 2] {
         // The last, all, or the first in a row.
         const ROWS: [u64; 3] = [1 << 7, 0xff, 1];
         const COLUMN: u64 = 0x0101_0101_0101_0101;
         const COLUMNS: [u64; 3] = [0xff << 56, u64::MAX, 0xff];
         let layer = (COLUMN * ROWS[x]) & COLUMNS[y];
-        let slices = [7..8, 0..8, 0..1][z].clone();
-        self.inside[slices].iter().any(|bits| (if inside { *bits } else { !bits }) & layer != 0)
+        let slices = &self.inside[[7..8, 0..8, 0..1][z].clone()];
+        [0, u64::MAX].map(|flip| slices.iter().fold(0, |any, bits| any | bits ^ flip) & layer != 0)
     }
 }
 

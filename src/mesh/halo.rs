@@ -52,7 +52,10 @@ impl<'a, B: Voxels> Halo<'a, B> {
     pub(super) fn cells(&self) -> CellBits {
         CellBits {
             inside: Words::new(|step| self.inside(MIDDLE + step)),
-            known: Words::new(|step| self.known(MIDDLE + step)),
+            known: match self.is_bordering || self.numbers.contains(&NO_BRICK) {
+                true => Words::new(|step| self.known(MIDDLE + step)),
+                false => Words::ALL,
+            },
             coarse: match self.has_coarse {
                 true => Words::new(|step| self.coarse(MIDDLE + step)),
                 false => Words::default(),
