@@ -158,10 +158,11 @@ impl Beyond {
 
     /// What is true of each voxel's like.
     fn spread(&self, own: &Slices) -> Slices {
+        const FIRST_X: u64 = 0x0101_0101_0101_0101;
         let [xs, ys, zs] = &self.like;
-        let row = |row: u64| (0..8).fold(0, |bits, x| bits | (row >> xs[x] & 1) << x);
-        let slice = |slice: u64| {
-            (0..8).fold(0, |bits, y| bits | row(slice >> (8 * ys[y]) & 0xff) << (8 * y))
+        let slice = |own: u64| {
+            let rows = (0..8).fold(0, |bits, x| bits | (own >> xs[x] & FIRST_X) << x);
+            (0..8).fold(0, |bits, y| bits | (rows >> (8 * ys[y]) & 0xff) << (8 * y))
         };
         array::from_fn(|z| slice(own[usize::from(zs[z])]))
     }

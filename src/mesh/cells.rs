@@ -1,5 +1,7 @@
 //! Cells of a brick as bits: 64 voxels, or the cells from these on, are looked at together.
 
+use std::array;
+
 use super::grid::{SIDE, Slices};
 
 /// Bits of the first voxels of a slice, along x and along y.
@@ -48,6 +50,16 @@ impl Words {
         if axis == 2 { self.0[z + 1][i] } else { self.0[z][i | 1 << axis] }
     }
 
+    /// The rows along x of a slice: 9 bits each.
+    #[inline]
+    fn rows(&self, z: usize) -> [u16; 9] {
+        let [own, x, y, both] = self.0[z];
+        let row = |own: u64, x: u64, y: usize| {
+            (own >> (8 * y)) as u16 & 0xff | ((x >> (8 * y)) as u16 & 0x80) << 1
+        };
+        array::from_fn(|i| if i < 8 { row(own, x, i) } else { row(y, both, 7) })
+    }
+
     /// Whether all four words of a slice, or any, have a bit.
     #[inline]
     fn all(&self, z: usize) -> u64 {
@@ -78,31 +90,23 @@ impl CellBits {
         any & !all & known.all(z) & known.all(z + 1)
     }
 
-    /// Whether there are no such cells.
-    #[inline]
-    pub(super) fn are_alike(&self) -> bool {
-        (0..SIDE as usize).all(|z| self.mixed(z) == 0)
-    }
-
-    /// Calls `tell` with the place of each of them and its octants that lie inside, as bits.
+    /// Calls `tell` with the place of each of these cells in a slice, and its octants that lie inside, as
+    /// bits.
     #[inline]
     pub(super) fn each_mixed(&self, z: usize, mut tell: impl FnMut(usize, usize)) {
         let mut rest = self.mixed(z);
+        if rest == 0 {
+            return;
+        }
+        let [below, above] = [z, z + 1].map(|z| self.inside.rows(z));
         while rest != 0 {
             let bit = rest.trailing_zeros() as usize;
             rest &= rest - 1;
-            tell(bit, self.case(z, bit));
+            let (x, y) = (bit % 8, bit / 8 % 8);
+            let pair = |row: u16| usize::from(row >> x & 3);
+            let octants = |rows: &[u16; 9]| pair(rows[y]) | pair(rows[y + 1]) << 2;
+            tell(bit, octants(&below) | octants(&above) << 4);
         }
-    }
-
-    /// The octants of a cell that lie inside, as bits.
-    #[inline]
-    fn case(&self, z: usize, bit: usize) -> usize {
-        let octants = |z: usize| {
-            let [a, b, c, d] = self.inside.0[z].map(|word| (word >> bit & 1) as usize);
-            a | b << 1 | c << 2 | d << 3
-        };
-        octants(z) | octants(z + 1) << 4
     }
 
     /// Which edges from the voxels of word `i` of a slice along `axis` are cut.

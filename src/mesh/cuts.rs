@@ -155,6 +155,12 @@ impl Cuts {
         }
     }
 
+    /// Whether the brick has no vertices and no triangles.
+    #[inline]
+    pub(super) fn is_empty(&self) -> bool {
+        self.count() == 0 && self.room == 0
+    }
+
     /// As many triangles as its cells have, or more.
     pub(super) fn room(&self) -> usize {
         self.room.into()

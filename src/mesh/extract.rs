@@ -91,7 +91,7 @@ pub fn extract<B: Voxels, T: Copy + Default + Send>(
         let (room, mut vertices) = (triangles.len(), vertices.iter_mut());
         let mut triangles = triangles.iter_mut();
         let (mut offsets, mut numbers) = (Offsets::default(), Numbers::default());
-        for number in bricks {
+        for number in bricks.filter(|&number| !edges.cuts[number].is_empty()) {
             let halo = Halo::new(grid, number);
             let cells = halo.cells();
             edges.each_crossing(&halo, &cells, &mut offsets, |crossing| {
@@ -302,9 +302,6 @@ impl<B: Voxels> Edges<'_, B> {
         numbers: &mut Numbers,
         mut tell: impl FnMut([u32; 3]),
     ) {
-        if cells.are_alike() {
-            return;
-        }
         numbers.fill(self, halo, cells);
         let plain = &*PLAIN;
         for z in 0..SIDE as usize {

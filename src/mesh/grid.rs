@@ -8,7 +8,7 @@
 //! *Based on:* A. León Salas, 2008, sections 2.3 and 2.4 (dual grids of voxels of different size,
 //! wrapping cells).
 
-use std::array;
+use std::{array, ops::Range};
 
 use rayon::prelude::*;
 
@@ -219,16 +219,22 @@ impl<B: Voxels> Grid<B> {
         !self.bricks.iter().any(Brick::has_large)
     }
 
-    /// Whether a coordinate is that of a voxel or a phantom.
+    /// The coordinates of voxels and phantoms.
     #[inline]
-    pub(super) fn holds(&self, axis: usize, i: u32) -> bool {
-        (SIDE - 1..=SIDE + self.size[axis]).contains(&i)
+    pub(super) fn held(&self, axis: usize) -> Range<u32> {
+        SIDE - 1..SIDE + self.size[axis] + 1
+    }
+
+    /// The coordinates of voxels.
+    #[inline]
+    pub(super) fn voxels(&self, axis: usize) -> Range<u32> {
+        SIDE..SIDE + self.size[axis]
     }
 
     /// Whether a coordinate is that of a voxel.
     #[inline]
     pub(super) fn is_voxel(&self, axis: usize, i: u32) -> bool {
-        (SIDE..SIDE + self.size[axis]).contains(&i)
+        self.voxels(axis).contains(&i)
     }
 
     /// The voxel, or phantom, that holds the finest voxel at `p` of a brick.

@@ -2,7 +2,7 @@
 //!
 //! Places in it are counted from the layer before the brick: 0 to 9 along each axis.
 
-use std::array;
+use std::{array, ops::Range};
 
 use super::{
     cells::{CellBits, FIRST_X, Words},
@@ -107,10 +107,9 @@ impl<'a, B: Voxels> Halo<'a, B> {
         if !self.is_bordering {
             return [u64::MAX; SIDE as usize];
         }
-        in_brick(|axis, i| {
-            let step = (k / STEPS[axis] % 3) as u32 * SIDE;
-            let first = self.first(axis).wrapping_add(step).wrapping_sub(SIDE);
-            self.grid.holds(axis, first.wrapping_add(i))
+        in_brick(|axis| {
+            let first = self.first(axis) + (k / STEPS[axis] % 3) as u32 * SIDE - SIDE;
+            bits_of(first, self.grid.held(axis))
         })
     }
 
@@ -120,10 +119,9 @@ impl<'a, B: Voxels> Halo<'a, B> {
         if !self.is_bordering {
             return [u64::MAX; SIDE as usize];
         }
-        in_brick(|along, i| {
-            let at = self.first(along).wrapping_add(i);
-            let is_voxel = |i: u32| self.grid.is_voxel(along, i);
-            is_voxel(at) && (along != axis || is_voxel(at + 1))
+        in_brick(|along| {
+            let Range { start, end } = self.grid.voxels(along);
+            bits_of(self.first(along), start..if along == axis { end - 1 } else { end })
         })
     }
 
@@ -245,11 +243,17 @@ impl<'a, B: Voxels> Halo<'a, B> {
 
 /// The voxels of a brick of which something is true along each axis.
 #[inline]
-fn in_brick(is: impl Fn(usize, u32) -> bool) -> Slices {
-    let bits = |axis: usize| (0..SIDE).fold(0, |bits, i| bits | u64::from(is(axis, i)) << i);
+fn in_brick(bits: impl Fn(usize) -> u64) -> Slices {
     let (xs, ys, zs) = (bits(0), bits(1), bits(2));
     let slice = (0..8).fold(0, |slice, y| slice | (xs * (ys >> y & 1)) << (8 * y));
     array::from_fn(|z| slice * (zs >> z & 1))
+}
+
+/// Which of the eight coordinates from `first` on are in a range.
+#[inline]
+fn bits_of(first: u32, range: Range<u32>) -> u64 {
+    let [start, end] = [range.start, range.end].map(|i| i.saturating_sub(first).min(SIDE));
+    (1 << end) - (1 << start)
 }
 
 /// The number in its brick of the voxel at a place.
