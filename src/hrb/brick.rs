@@ -49,7 +49,7 @@ static IN_MORTON_ORDER: [u16; VOXELS] = {
 };
 
 /// From the first sample of a part of 2³ to each, in Morton order.
-const STEPS: [usize; 8] = [0, 1, 8, 9, 64, 65, 72, 73];
+pub(super) const STEPS: [usize; 8] = [0, 1, 8, 9, 64, 65, 72, 73];
 
 impl<V: Value> Brick<V> {
     /// The number of the region that holds a sample, counted x fastest.

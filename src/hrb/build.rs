@@ -117,10 +117,9 @@ impl<T: Sample> Builder<'_, T> {
     /// Builds a node of 8³ samples.
     pub(super) fn brick(&self, base: [u32; 3]) -> Built<T> {
         let left = [0, 1, 2].map(|axis| (self.size[axis] - base[axis]).min(SIDE) as usize);
-        let row = |y: usize, z: usize| {
-            let start = self.index([base[0], base[1] + y as u32, base[2] + z as u32]);
-            &self.samples[start..start + left[0]]
-        };
+        let [nx, ny, _] = self.size.map(|n| n as usize);
+        let own = &self.samples[self.index(base)..];
+        let row = |y: usize, z: usize| &own[nx * (y + ny * z)..][..left[0]];
         let first = row(0, 0)[0];
         if left == [SIDE as usize; 3] && self.tolerance.epsilon >= 0.0 {
             let is_first = |row: &[T]| row.as_array::<8>().is_some_and(|row| *row == [first; 8]);
@@ -135,6 +134,11 @@ impl<T: Sample> Builder<'_, T> {
             return (Tree::region(summary.value()), Some(summary));
         }
         let (fours, twos) = self.divided(&parts);
+        let is_exact = self.is_exact(&parts);
+        let value = |first: usize, n: usize| match is_exact {
+            true => parts.range(first)[0].value(),
+            false => self.summary(&parts, first, n).value(),
+        };
         let n = 8 + 7 * (fours.count_ones() + twos.count_ones()) as usize;
         let mut values = Vec::with_capacity(n);
         if twos == u64::MAX {
@@ -142,13 +146,13 @@ impl<T: Sample> Builder<'_, T> {
         } else {
             for c in 0..8 {
                 if fours >> c & 1 == 0 {
-                    values.push(self.summary(&parts, 8 * c, 8).value());
+                    values.push(value(8 * c, 8));
                     continue;
                 }
                 for g in 8 * c..8 * c + 8 {
                     match twos >> g & 1 {
-                        0 => values.push(self.summary(&parts, g, 1).value()),
-                        _ => values.extend((0..8).map(|c| parts.sample(g, c).value())),
+                        0 => values.push(value(g, 1)),
+                        _ => values.extend(parts.eight(g).map(T::value)),
                     }
                 }
             }
@@ -162,8 +166,7 @@ impl<T: Sample> Builder<'_, T> {
     #[inline]
     fn divided(&self, parts: &Parts<T>) -> (u8, u64) {
         let (mut fours, mut twos) = (0, parts.mixed());
-        // Without a tolerance that is all.
-        let is_exact = self.tolerance == Tolerance::default() && parts.is_whole();
+        let is_exact = self.is_exact(parts);
         for c in 0..8 {
             let own = 0xff << (8 * c);
             let is_divided = if is_exact {
@@ -187,15 +190,22 @@ impl<T: Sample> Builder<'_, T> {
         (fours, twos)
     }
 
+    /// Whether parts that are not divided have equal samples, and nothing else has.
+    #[inline]
+    fn is_exact(&self, parts: &Parts<T>) -> bool {
+        self.tolerance == Tolerance::default() && parts.is_whole()
+    }
+
     /// What is known of `n` parts of a brick from `first` on: one, a part of 4³ samples, or all.
     #[inline]
     fn summary(&self, parts: &Parts<T>, first: usize, n: usize) -> Summary<T> {
         let all = first..first + n;
-        let mut summary = Summary::of(parts.range(first)[0], 8 * n as u64);
-        for [least, most] in all.clone().map(|g| parts.range(g)) {
-            summary.least = summary.least.least(least);
-            summary.most = summary.most.most(most);
-        }
+        let join = |[a, b]: [T; 2], [c, d]: [T; 2]| [a.least(c), b.most(d)];
+        let [least, most] = match n {
+            PARTS => parts.range_of_all(),
+            _ => all.clone().map(|g| parts.range(g)).fold(parts.range(first), join),
+        };
+        let mut summary = Summary { least, most, ..Summary::of(least, 8 * n as u64) };
         summary.is_cut = parts.is_cut(first, n);
         // Otherwise regions are their samples, and no mean is asked for.
         if self.tolerance != Tolerance::default() {

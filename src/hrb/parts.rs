@@ -2,7 +2,10 @@
 
 use std::array;
 
-use super::{brick::PLACES, sample::Sample};
+use super::{
+    brick::{PLACES, STEPS},
+    sample::Sample,
+};
 use crate::mesh::{SIDE, VOXELS, byte_bits};
 
 /// Parts of 2³ samples in a brick.
@@ -37,27 +40,23 @@ impl<T: Sample> Parts<T> {
                 }
             }
         }
-        let (mut least, mut most) = ([first; PARTS], [first; PARTS]);
         let (slices, _) = samples.as_chunks::<64>();
         // One axis after the other, many samples at once.
+        let (mut low, mut high) = ([first; 2 * PARTS], [first; 2 * PARTS]);
         for z in 0..4 {
             let (below, above) = (&slices[2 * z], &slices[2 * z + 1]);
-            let (mut low, mut high) = (*below, *below);
-            join(&mut low, &mut high, above, above);
+            let (mut least, mut most) = (*below, *below);
+            join(&mut least, &mut most, above, above);
             for y in 0..4 {
-                let start = 16 * y;
-                let of_row =
-                    |all: &[T; 64], start: usize| -> [T; 8] { array::from_fn(|x| all[start + x]) };
-                let (mut of_rows, mut most_of_rows) = (of_row(&low, start), of_row(&high, start));
-                let (next, most_of_next) = (of_row(&low, start + 8), of_row(&high, start + 8));
-                join(&mut of_rows, &mut most_of_rows, &next, &most_of_next);
-                for x in 0..4 {
-                    let at = x + 4 * y + 16 * z;
-                    least[at] = of_rows[2 * x].least(of_rows[2 * x + 1]);
-                    most[at] = most_of_rows[2 * x].most(most_of_rows[2 * x + 1]);
-                }
+                let own = 8 * (y + 4 * z);
+                let rows = 16 * y..16 * y + 16;
+                join_rows(&mut low[own..own + 8], &least[rows.clone()], T::least);
+                join_rows(&mut high[own..own + 8], &most[rows], T::most);
             }
         }
+        let [low, high] = [&low, &high].map(|all| all.as_chunks::<2>().0);
+        let least = array::from_fn(|at| low[at][0].least(low[at][1]));
+        let most = array::from_fn(|at| high[at][0].most(high[at][1]));
         Self { samples, least, most, left }
     }
 
@@ -66,6 +65,13 @@ impl<T: Sample> Parts<T> {
     pub(super) fn range(&self, g: usize) -> [T; 2] {
         let place = usize::from(PARTS_IN_ROWS[g]);
         [self.least[place], self.most[place]]
+    }
+
+    /// The same of all parts.
+    #[inline]
+    pub(super) fn range_of_all(&self) -> [T; 2] {
+        let (first, last) = (self.least[0], self.most[0]);
+        [self.least.into_iter().fold(first, T::least), self.most.into_iter().fold(last, T::most)]
     }
 
     /// Bit g: the samples of part g are not all equal. No number differs from itself.
@@ -81,6 +87,14 @@ impl<T: Sample> Parts<T> {
     #[inline]
     pub(super) fn sample(&self, g: usize, c: usize) -> T {
         self.samples[usize::from(PLACES[8 * g + c])]
+    }
+
+    /// All samples of a part.
+    #[inline]
+    pub(super) fn eight(&self, g: usize) -> [T; 8] {
+        let first = usize::from(PLACES[8 * g]);
+        let own = &self.samples[first..first + STEPS[7] + 1];
+        STEPS.map(|step| own[step])
     }
 
     /// Whether all samples are the volume's.
@@ -129,6 +143,15 @@ fn swapped(word: u64, a: u32, b: u32) -> u64 {
     let step = (1 << b) - (1 << a);
     let differing = (word ^ word >> step) & low;
     word ^ differing ^ differing << step
+}
+
+/// One row of samples of two.
+#[inline]
+fn join_rows<T: Sample>(joined: &mut [T], rows: &[T], join: impl Fn(T, T) -> T) {
+    let (one, other) = rows.split_at(8);
+    for ((joined, one), other) in joined.iter_mut().zip(one).zip(other) {
+        *joined = join(*one, *other);
+    }
 }
 
 /// The least of samples and of others at the same places, and the largest.
