@@ -149,7 +149,9 @@ impl<V: Value> Brick<V> {
         for g in 0..VOXELS / 8 {
             let place = usize::from(PLACES[8 * g]);
             let own = &mut samples[place..place + STEPS[7] + 1];
-            if self.twos >> g & 1 == 1 && let Some((eight, rest)) = values.split_first_chunk::<8>() {
+            if self.twos >> g & 1 == 1
+                && let Some((eight, rest)) = values.split_first_chunk::<8>()
+            {
                 (0..8).for_each(|c| own[STEPS[c]] = eight[c]);
                 values = rest;
                 continue;

@@ -205,7 +205,8 @@ impl Window<u8> {
                 let at = |axis: usize| (brick.place[axis] + 1).wrapping_sub(step[axis] as u32);
                 let Some(slot) = beside.slot([at(0), at(1), at(2)]) else { continue };
                 let [inside, outside] = brick.shows(step);
-                beside.all[slot] |= if inside { INSIDE } else { 0 } | if outside { OUTSIDE } else { 0 };
+                beside.all[slot] |=
+                    if inside { INSIDE } else { 0 } | if outside { OUTSIDE } else { 0 };
             }
         }
         beside

@@ -90,11 +90,11 @@ pub fn extract<B: Voxels, T: Copy + Default + Send>(
     let extract = |(bricks, vertices, triangles): (Range<usize>, &mut [T], &mut [[u32; 3]])| {
         let (room, mut vertices) = (triangles.len(), vertices.iter_mut());
         let mut triangles = triangles.iter_mut();
-        let (mut offsets, mut numbers) = (Offsets::default(), Numbers::default());
+        let (mut values, mut numbers) = (Values::default(), Numbers::default());
         for number in bricks.filter(|&number| !edges.cuts[number].is_empty()) {
             let halo = Halo::new(grid, number);
             let cells = halo.cells();
-            edges.each_crossing(&halo, &cells, &mut offsets, |crossing| {
+            edges.each_crossing(&halo, &cells, (&mut values, &mut numbers), |crossing| {
                 if let Some(place) = vertices.next() {
                     *place = vertex(crossing);
                 }
@@ -181,13 +181,13 @@ pub(super) fn extract_parts<B: Voxels>(
         let n: u32 = wanted.iter().map(|&number| edges.cuts[number].count()).sum();
         let mut vertices = Vec::with_capacity(n as usize);
         let mut triangles = Vec::with_capacity(5 * n as usize / 2);
-        let (mut offsets, mut numbers) = (Offsets::default(), Numbers::default());
+        let (mut values, mut numbers) = (Values::default(), Numbers::default());
         let of_brick = |&number: &usize| {
             let before = triangles.len();
             let halo = Halo::new(grid, number);
             let cells = halo.cells();
             let push = |crossing: &Crossing| vertices.push(*crossing);
-            edges.each_crossing(&halo, &cells, &mut offsets, push);
+            edges.each_crossing(&halo, &cells, (&mut values, &mut numbers), push);
             edges.each_triangle(&halo, &cells, &mut numbers, |triangle| triangles.push(triangle));
             (number, triangles.len() - before)
         };
@@ -209,19 +209,20 @@ pub(super) struct Edges<'a, B> {
 }
 
 impl<B: Voxels> Edges<'_, B> {
-    /// Calls `tell` with the vertex on every cut edge of a brick's own, in order.
+    /// Calls `tell` with the vertex on every cut edge of a brick's own, in order, and sets the numbers of
+    /// those on edges that leave voxels along an axis.
     #[inline]
     fn each_crossing(
         &self,
         halo: &Halo<'_, B>,
         cells: &CellBits,
-        offsets: &mut Offsets,
+        mut own: (&mut Values<B>, &mut Numbers),
         mut tell: impl FnMut(&Crossing),
     ) {
+        self.each_upwards::<0>(halo, cells, &mut own, &mut tell);
+        self.each_upwards::<1>(halo, cells, &mut own, &mut tell);
+        self.each_upwards::<2>(halo, cells, &mut own, &mut tell);
         let cuts = &self.cuts[halo.number()];
-        self.each_upwards::<0>(halo, cells, offsets, &mut tell);
-        self.each_upwards::<1>(halo, cells, offsets, &mut tell);
-        self.each_upwards::<2>(halo, cells, offsets, &mut tell);
         for word in cuts.downwards() {
             cuts.each(word, u64::MAX, |bit, _| {
                 let slot = 64 * word + bit;
@@ -236,23 +237,23 @@ impl<B: Voxels> Edges<'_, B> {
         &self,
         halo: &Halo<'_, B>,
         cells: &CellBits,
-        offsets: &mut Offsets,
+        (values, numbers): &mut (&mut Values<B>, &mut Numbers),
         tell: &mut impl FnMut(&Crossing),
     ) {
-        let cuts = &self.cuts[halo.number()];
+        let (cuts, first_number) = (&self.cuts[halo.number()], self.firsts[halo.number()]);
         let first = [0, 1, 2].map(|axis| halo.first(axis).wrapping_sub(SIDE) as f32 + 0.5);
         let inner = halo.without_phantoms(AXIS);
         for z in 0..SIDE as usize {
             // Edges between two of the finest voxels, which are most.
             let coarse = cells.coarse.at(0, z) | cells.coarse.after(0, z, AXIS);
             let plain = inner[z] & !coarse;
-            cuts.each(8 * AXIS + z, u64::MAX, |bit, _| {
-                let index = 64 * z + bit;
+            cuts.each(8 * AXIS + z, u64::MAX, |bit, rank| {
+                let (index, steps) = (64 * z + bit, [bit % 8, bit / 8, z]);
+                numbers.set::<AXIS>(steps, first_number + rank);
                 if plain >> bit & 1 == 0 {
                     return tell(&self.crossing(halo, index, AXIS));
                 }
-                let offsets = offsets.along::<AXIS, B>(halo, index);
-                let steps = [bit % 8, bit / 8, z];
+                let offsets = values.along::<AXIS>(halo, index);
                 let lower = [0, 1, 2].map(|axis| first[axis] + steps[axis] as f32);
                 let mut upper = lower;
                 upper[AXIS] += 1.0;
@@ -327,37 +328,35 @@ impl<B: Voxels> Edges<'_, B> {
     }
 }
 
-/// How far the values of one brick after the other are above the isovalue.
-struct Offsets {
+/// The values of one brick after the other.
+struct Values<B: Voxels> {
     /// The number of the brick.
     brick: usize,
-    all: Box<[f32; VOXELS]>,
+    all: Box<[B::Value; VOXELS]>,
 }
 
-impl Default for Offsets {
+impl<B: Voxels> Default for Values<B> {
     fn default() -> Self {
-        Self { brick: usize::MAX, all: Box::new([0.0; VOXELS]) }
+        Self { brick: usize::MAX, all: Box::new([B::Value::default(); VOXELS]) }
     }
 }
 
-impl Offsets {
-    /// Those at a voxel of a brick and at the next one along an axis; there must be one.
+impl<B: Voxels> Values<B> {
+    /// How far those at a voxel of a brick and at the next one along an axis are above the isovalue; there
+    /// must be one, and neither a phantom.
     #[inline]
-    fn along<const AXIS: usize, B: Voxels>(
-        &mut self,
-        halo: &Halo<'_, B>,
-        index: usize,
-    ) -> [f32; 2] {
+    fn along<const AXIS: usize>(&mut self, halo: &Halo<'_, B>, index: usize) -> [f32; 2] {
+        let voxels = halo.voxels();
         if self.brick != halo.number() {
             self.brick = halo.number();
-            halo.offsets(&mut self.all);
+            voxels.values(&mut self.all);
         }
         let step = 1 << (3 * AXIS);
         let upper = match index >> (3 * AXIS) & 7 {
-            7 => halo.offset_after::<AXIS>(index - 7 * step),
-            _ => self.all[index + step],
+            7 => halo.voxels_after::<AXIS>().offset(index - 7 * step),
+            _ => voxels.offset_of(self.all[index + step]),
         };
-        [self.all[index], upper]
+        [voxels.offset_of(self.all[index]), upper]
     }
 }
 

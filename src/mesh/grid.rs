@@ -56,14 +56,17 @@ pub(super) fn is_inside(offset: f32) -> bool {
 
 /// Values and sizes of the voxels of a brick, which are asked for where the surface is.
 pub trait Voxels: Send + Sync {
+    /// A value as it is kept.
+    type Value: Copy + Default;
+
     /// How far the value at a voxel, x fastest, is above the isovalue, as [`offset`].
     fn offset(&self, index: usize) -> f32;
 
-    /// The same of all voxels.
-    #[inline]
-    fn offsets(&self, all: &mut [f32; VOXELS]) {
-        (0..VOXELS).for_each(|index| all[index] = self.offset(index));
-    }
+    /// The values of all that are no phantoms.
+    fn values(&self, all: &mut [Self::Value; VOXELS]);
+
+    /// How far one of these is above the isovalue.
+    fn offset_of(&self, value: Self::Value) -> f32;
 
     /// The voxel's edge is `2^level` of the finest.
     fn level(&self, index: usize) -> u8;
@@ -77,6 +80,20 @@ pub struct Stored {
 }
 
 impl Voxels for Stored {
+    type Value = f32;
+
+    fn values(&self, all: &mut [f32; VOXELS]) {
+        match &*self.offsets {
+            [one] => all.fill(*one),
+            offsets => all.copy_from_slice(offsets),
+        }
+    }
+
+    #[inline]
+    fn offset_of(&self, offset: f32) -> f32 {
+        offset
+    }
+
     #[inline]
     fn offset(&self, index: usize) -> f32 {
         self.offsets[if self.offsets.len() == 1 { 0 } else { index }]

@@ -7,7 +7,7 @@ use std::{array, ops::Range};
 use super::{
     cells::{CellBits, FIRST_X, Words},
     cuts::DualEdge,
-    grid::{Brick, Grid, Leaf, NO_BRICK, SIDE, Slices, VOXELS, Voxels, index_of},
+    grid::{Brick, Grid, Leaf, NO_BRICK, SIDE, Slices, Voxels, index_of},
 };
 
 /// Voxels along an edge, with both layers.
@@ -175,18 +175,16 @@ impl<'a, B: Voxels> Halo<'a, B> {
         (self.grid.leaf(brick, p), brick.voxels.offset(index_of(p)))
     }
 
-    /// How far the value at a voxel of the next brick along an axis is above the isovalue; there must be
-    /// one.
+    /// The voxels of the brick.
     #[inline]
-    pub(super) fn offset_after<const AXIS: usize>(&self, index: usize) -> f32 {
-        let next = self.numbers[MIDDLE + STEPS[AXIS]];
-        self.grid.bricks[next as usize].voxels.offset(index)
+    pub(super) fn voxels(&self) -> &'a B {
+        &self.grid.bricks[self.number()].voxels
     }
 
-    /// How far the values of the brick are above the isovalue.
+    /// Those of the next brick along an axis; there must be one.
     #[inline]
-    pub(super) fn offsets(&self, all: &mut [f32; VOXELS]) {
-        self.grid.bricks[self.number()].voxels.offsets(all);
+    pub(super) fn voxels_after<const AXIS: usize>(&self) -> &'a B {
+        &self.grid.bricks[self.numbers[MIDDLE + STEPS[AXIS]] as usize].voxels
     }
 
     /// The dual edge between the voxels at a place and the next one along `axis`.
