@@ -53,10 +53,26 @@ impl<V: Value> HrbOctree<V> {
         };
         let met: Vec<NearBrick<'_, V>> = others.par_iter().filter(is_met).map(brick).collect();
         bricks.extend(met);
+        bricks.par_extend(
+            self.around_large(&bricks)
+                .into_par_iter()
+                .map(|place| self.brick(place, isovalue, border)),
+        );
+        Grid::new(bricks, self.size, border)
+    }
+
+    /// The places of bricks that larger regions need, which begin elsewhere than where they meet the
+    /// surface, but for those of `bricks`.
+    fn around_large(&self, bricks: &[NearBrick<'_, V>]) -> Vec<[u32; 3]> {
+        let large: Vec<[u32; 3]> =
+            bricks.iter().filter(|brick| brick.is_part()).map(|brick| brick.place).collect();
+        if large.is_empty() {
+            return large;
+        }
         let mut places: FxHashSet<[u32; 3]> = bricks.iter().map(|brick| brick.place).collect();
         let mut bases = Vec::new();
-        for brick in &bricks {
-            self.bases(brick.place, |place| {
+        for place in large {
+            self.bases(place, |place| {
                 if places.insert(place) {
                     bases.push(place);
                 }
@@ -64,8 +80,7 @@ impl<V: Value> HrbOctree<V> {
         }
         let last = self.size.map(|n| n.div_ceil(SIDE) + 1);
         bases.retain(|place| (0..3).all(|axis| place[axis] <= last[axis]));
-        bricks.par_extend(bases.into_par_iter().map(|place| self.brick(place, isovalue, border)));
-        Grid::new(bricks, self.size, border)
+        bases
     }
 
     /// On which sides the samples of every brick from `first` to before `end` are.

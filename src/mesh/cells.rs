@@ -82,12 +82,21 @@ pub(super) struct CellBits {
 }
 
 impl CellBits {
-    /// Of the cells from the voxels of a slice on, those with voxels inside and voxels that are not.
+    /// Of the cells from the voxels of a slice on, those with voxels inside and voxels that are not. Those
+    /// in the middle of an edge, or a face, of larger voxels are none.
     #[inline]
     pub(super) fn mixed(&self, z: usize) -> u64 {
         let (inside, known) = (&self.inside, &self.known);
         let (any, all) = (inside.any(z) | inside.any(z + 1), inside.all(z) & inside.all(z + 1));
-        any & !all & known.all(z) & known.all(z + 1)
+        any & !all & known.all(z) & known.all(z + 1) & self.may_be_corners(z)
+    }
+
+    /// Of the cells from the voxels of a slice on, those around what may be the corner of a voxel: of one of
+    /// the finest, or at even places.
+    #[inline]
+    fn may_be_corners(&self, z: usize) -> u64 {
+        const EVEN: u64 = 0xaa00_aa00_aa00_aa00;
+        !(self.coarse.all(z) & self.coarse.all(z + 1)) | if z % 2 == 1 { EVEN } else { 0 }
     }
 
     /// Calls `tell` with the place of each of these cells in a slice, and its octants that lie inside, as
@@ -141,7 +150,7 @@ mod tests {
         #[test]
         fn words_hold_the_bits_of_the_next_voxels(seed: u64) {
             let slices = |step: usize| -> Slices {
-                std::array::from_fn(|z| {
+                array::from_fn(|z| {
                     seed.wrapping_mul((8 * step + z) as u64 | 1).rotate_left(31 + z as u32)
                 })
             };

@@ -25,6 +25,8 @@ use super::{
     grid::{Border, Grid, Leaf, RUN, SIDE, VOXELS, Voxels},
     halo::Halo,
     numbers::{Numbers, STEPS_TO, cell_at},
+    runs::{close_up, shared_out},
+    values::Values,
 };
 
 /// Cut edges stay away from both ends of the zone in which they are looked for by this part of it:
@@ -110,35 +112,6 @@ pub fn extract<B: Voxels, T: Copy + Default + Send>(
     let found: Vec<[usize; 2]> = parts.into_par_iter().map(extract).collect();
     close_up(&mut triangles, &found);
     Extraction { vertices, triangles }
-}
-
-/// Runs of bricks, each with the places of its vertices and of its triangles.
-fn shared_out<'a, T>(
-    cuts: &[Cuts],
-    mut vertices: &'a mut [T],
-    mut triangles: &'a mut [[u32; 3]],
-) -> Vec<(Range<usize>, &'a mut [T], &'a mut [[u32; 3]])> {
-    let part = |(first, cuts): (usize, &[Cuts])| {
-        let n_vertices: u32 = cuts.iter().map(Cuts::count).sum();
-        let room = cuts.iter().map(Cuts::room).sum();
-        let bricks = RUN * first..RUN * first + cuts.len();
-        let own = vertices.split_off_mut(..n_vertices as usize).unwrap_or_default();
-        (bricks, own, triangles.split_off_mut(..room).unwrap_or_default())
-    };
-    cuts.chunks(RUN).enumerate().map(part).collect()
-}
-
-/// Moves what parts have together, given how much each has room for and how much it has.
-fn close_up<T: Copy>(all: &mut Vec<T>, parts: &[[usize; 2]]) {
-    let (mut start, mut end) = (0, 0);
-    for &[room, n] in parts {
-        if start > end {
-            all.copy_within(start..start + n, end);
-        }
-        start += room;
-        end += n;
-    }
-    all.truncate(end);
 }
 
 /// Some bricks of a grid, extracted by themselves.
@@ -325,38 +298,6 @@ impl<B: Voxels> Edges<'_, B> {
     pub(super) fn number(&self, halo: &Halo<'_, B>, edge: &DualEdge) -> u32 {
         let brick = halo.number_of(edge.owner.base);
         self.firsts[brick] + self.cuts[brick].rank(edge.slot())
-    }
-}
-
-/// The values of one brick after the other.
-struct Values<B: Voxels> {
-    /// The number of the brick.
-    brick: usize,
-    all: Box<[B::Value; VOXELS]>,
-}
-
-impl<B: Voxels> Default for Values<B> {
-    fn default() -> Self {
-        Self { brick: usize::MAX, all: Box::new([B::Value::default(); VOXELS]) }
-    }
-}
-
-impl<B: Voxels> Values<B> {
-    /// How far those at a voxel of a brick and at the next one along an axis are above the isovalue; there
-    /// must be one, and neither a phantom.
-    #[inline]
-    fn along<const AXIS: usize>(&mut self, halo: &Halo<'_, B>, index: usize) -> [f32; 2] {
-        let voxels = halo.voxels();
-        if self.brick != halo.number() {
-            self.brick = halo.number();
-            voxels.values(&mut self.all);
-        }
-        let step = 1 << (3 * AXIS);
-        let upper = match index >> (3 * AXIS) & 7 {
-            7 => halo.voxels_after::<AXIS>().offset(index - 7 * step),
-            _ => voxels.offset_of(self.all[index + step]),
-        };
-        [voxels.offset_of(self.all[index]), upper]
     }
 }
 

@@ -146,6 +146,11 @@ impl<B: Voxels> Brick<B> {
         self.has_coarse && 1 << self.voxels.level(0) >= SIDE
     }
 
+    /// Whether it is a part of a larger voxel.
+    pub(crate) fn is_part(&self) -> bool {
+        self.has_coarse && 1 << self.voxels.level(0) > SIDE
+    }
+
     /// Whether of the voxels beside another brick some are inside, and whether some are outside; this
     /// brick is the one number x, y, z of the 27 around that.
     pub(crate) fn shows(&self, [x, y, z]: [usize; 3]) -> [bool; 2] {
