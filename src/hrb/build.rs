@@ -129,7 +129,8 @@ impl<T: Sample> Builder<'_, T> {
         }
         let parts = Parts::of(first, left, row);
         let n = left.iter().map(|&n| n as u64).product();
-        let summary = Summary { n, ..self.summary(&parts, 0, PARTS) };
+        let all = self.summary_between(&parts, (0, PARTS), parts.range_of_all());
+        let summary = Summary { n, ..all };
         if !self.is_divided(&summary) {
             return (Tree::region(summary.value()), Some(summary));
         }
@@ -196,23 +197,30 @@ impl<T: Sample> Builder<'_, T> {
         self.tolerance == Tolerance::default() && parts.is_whole()
     }
 
-    /// What is known of `n` parts of a brick from `first` on: one, a part of 4³ samples, or all.
+    /// What is known of `n` parts of a brick from `first` on: one, or a part of 4³ samples.
     #[inline]
     fn summary(&self, parts: &Parts<T>, first: usize, n: usize) -> Summary<T> {
-        let all = first..first + n;
-        let join = |[a, b]: [T; 2], [c, d]: [T; 2]| [a.least(c), b.most(d)];
-        let [least, most] = match n {
-            PARTS => parts.range_of_all(),
-            _ => all.clone().map(|g| parts.range(g)).fold(parts.range(first), join),
-        };
-        let mut summary = Summary { least, most, ..Summary::of(least, 8 * n as u64) };
-        summary.is_cut = parts.is_cut(first, n);
+        let [mut least, mut most] = parts.range(first);
+        for range in (first + 1..first + n).map(|g| parts.range(g)) {
+            least = least.least(range[0]);
+            most = most.most(range[1]);
+        }
+        self.summary_between(parts, (first, n), [least, most])
+    }
+
+    /// The same of parts of which it is known what they are between.
+    #[inline]
+    fn summary_between(
+        &self,
+        parts: &Parts<T>,
+        (first, n): (usize, usize),
+        [least, most]: [T; 2],
+    ) -> Summary<T> {
+        let is_cut = parts.is_cut(first, n);
+        let mut summary = Summary { least, most, is_cut, ..Summary::of(least, 8 * n as u64) };
         // Otherwise regions are their samples, and no mean is asked for.
         if self.tolerance != Tolerance::default() {
-            let samples = all.flat_map(|g| (0..8).map(move |c| (g, c)));
-            let sums =
-                samples.filter(|&(g, c)| parts.holds(g, c)).map(|(g, c)| parts.sample(g, c).sum());
-            summary.sum = sums.reduce(T::add).unwrap_or(summary.sum);
+            summary.sum = parts.sum(first, n).unwrap_or(summary.sum);
         }
         summary
     }

@@ -83,10 +83,20 @@ impl<T: Sample> Parts<T> {
         swapped(bits, 2, 3)
     }
 
-    /// Sample c of a part.
+    /// The sum of the volume's samples in `n` parts, one after the other, if there are any.
     #[inline]
-    pub(super) fn sample(&self, g: usize, c: usize) -> T {
-        self.samples[usize::from(PLACES[8 * g + c])]
+    pub(super) fn sum(&self, first: usize, n: usize) -> Option<T::Sum> {
+        let is_whole = self.is_whole();
+        let mut all = None;
+        for g in first..first + n {
+            for (c, sample) in self.eight(g).into_iter().enumerate() {
+                if is_whole || self.holds(g, c) {
+                    let sum = sample.sum();
+                    all = Some(all.map_or(sum, |all| T::add(all, sum)));
+                }
+            }
+        }
+        all
     }
 
     /// All samples of a part.
@@ -105,7 +115,7 @@ impl<T: Sample> Parts<T> {
 
     /// Whether a sample is one of the volume's.
     #[inline]
-    pub(super) fn holds(&self, g: usize, c: usize) -> bool {
+    fn holds(&self, g: usize, c: usize) -> bool {
         (0..3).all(|axis| first_of(g, axis) + (c >> axis & 1) < self.left[axis])
     }
 
@@ -207,7 +217,7 @@ mod tests {
                         samples[x + 8 * (y + 8 * z)]
                     })
                     .collect();
-                prop_assert_eq!(&own, &(0..8).map(|c| parts.sample(g, c)).collect::<Vec<_>>());
+                prop_assert_eq!(&own, &parts.eight(g));
                 let range = [own.iter().min(), own.iter().max()].map(|one| *one.unwrap());
                 prop_assert_eq!(parts.range(g), range);
                 prop_assert_eq!(parts.mixed() >> g & 1 == 1, range[0] < range[1]);

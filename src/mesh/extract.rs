@@ -13,7 +13,7 @@
 //! *Based on:* A. León Salas, 2008, sections 2.3 and 2.4 (the dual grid, and crossings within half a
 //! voxel of the face that two voxels share).
 
-use std::{ops::Range, sync::LazyLock};
+use std::sync::LazyLock;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ use super::{
     grid::{Border, Grid, Leaf, RUN, SIDE, VOXELS, Voxels},
     halo::Halo,
     numbers::{Numbers, STEPS_TO, cell_at},
-    runs::{close_up, shared_out},
+    runs::{Part, close_up, shared_out},
     values::Values,
 };
 
@@ -89,7 +89,7 @@ pub fn extract<B: Voxels, T: Copy + Default + Send>(
     let mut vertices = vec![T::default(); n_vertices as usize];
     let mut triangles = vec![[0; 3]; room];
     let parts = shared_out(&edges.cuts, &mut vertices, &mut triangles);
-    let extract = |(bricks, vertices, triangles): (Range<usize>, &mut [T], &mut [[u32; 3]])| {
+    let extract = |(bricks, vertices, triangles): Part<'_, T>| {
         let (room, mut vertices) = (triangles.len(), vertices.iter_mut());
         let mut triangles = triangles.iter_mut();
         let (mut values, mut numbers) = (Values::default(), Numbers::default());

@@ -4,12 +4,15 @@ use std::ops::Range;
 
 use super::{cuts::Cuts, grid::RUN};
 
+/// The numbers of bricks, and the places of their vertices and triangles.
+pub(super) type Part<'a, T> = (Range<usize>, &'a mut [T], &'a mut [[u32; 3]]);
+
 /// Runs of bricks, each with the places of its vertices and of its triangles.
 pub(super) fn shared_out<'a, T>(
     cuts: &[Cuts],
     mut vertices: &'a mut [T],
     mut triangles: &'a mut [[u32; 3]],
-) -> Vec<(Range<usize>, &'a mut [T], &'a mut [[u32; 3]])> {
+) -> Vec<Part<'a, T>> {
     let part = |(first, cuts): (usize, &[Cuts])| {
         let n_vertices: u32 = cuts.iter().map(Cuts::count).sum();
         let room = cuts.iter().map(Cuts::room).sum();
