@@ -1,10 +1,10 @@
 //! A divided node of 8³ samples: which of its parts are divided, and the values of its regions.
 
 use super::{
-    octree::{Region, Storage, octant},
+    octree::{Region, Storage},
     sample::Value,
 };
-use crate::mesh::{SIDE, Slices, VOXELS, index_of, slices};
+use crate::mesh::{Slices, VOXELS, index_of, slices};
 
 /// See the file's text.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,30 +37,42 @@ pub(super) static PLACES: [u16; VOXELS] = {
     places
 };
 
+/// Where the samples of a brick, x fastest, stand in Morton order.
+static IN_MORTON_ORDER: [u16; VOXELS] = {
+    let mut order = [0; VOXELS];
+    let mut m = 0;
+    while m < VOXELS {
+        order[PLACES[m] as usize] = m as u16;
+        m += 1;
+    }
+    order
+};
+
+/// From the first sample of a part of 2³ to each, in Morton order.
+pub(super) const STEPS: [usize; 8] = [0, 1, 8, 9, 64, 65, 72, 73];
+
 impl<V: Value> Brick<V> {
-    /// The number of the region that holds a sample, and its level.
+    /// The number of the region that holds a sample, counted x fastest.
     #[inline]
-    fn find(&self, p: [u32; 3]) -> (usize, u8) {
+    fn find(&self, index: usize) -> usize {
         if self.is_finest() {
-            return (index_of(p), 0);
+            return index;
         }
-        let (c, d) = (octant(p, 2), octant(p, 1));
-        let of_four = c
-            + 7 * (self.fours & ((1 << c) - 1)).count_ones() as usize
-            + 7 * (self.twos & ((1 << (8 * c)) - 1)).count_ones() as usize;
-        if self.fours >> c & 1 == 0 {
-            return (of_four, 2);
-        }
-        let within = (self.twos >> (8 * c)) as u8;
-        let of_two = of_four + d + 7 * (within & ((1 << d) - 1)).count_ones() as usize;
-        if within >> d & 1 == 0 { (of_two, 1) } else { (of_two + octant(p, 0), 0) }
+        let m = usize::from(IN_MORTON_ORDER[index]);
+        let (c, level) = (m / 64, self.level_at(index));
+        // The first sample of its region.
+        let first = m >> (3 * level) << (3 * level);
+        // One of every part before it, and seven more of each that is divided.
+        let fours = (self.fours & ((1 << c) - 1)).count_ones();
+        let twos = (self.twos & ((1 << (first / 8)) - 1)).count_ones();
+        c + first / 8 % 8 + first % 8 + 7 * (fours + twos) as usize
     }
 
-    /// The level of the region that holds a sample.
+    /// The level of the region that holds a sample, counted x fastest.
     #[inline]
-    pub(super) fn level_at(&self, p: [u32; 3]) -> u8 {
-        let (c, d) = (octant(p, 2), octant(p, 1));
-        match (self.fours >> c & 1, self.twos >> (8 * c + d) & 1) {
+    pub(super) fn level_at(&self, index: usize) -> u8 {
+        let m = IN_MORTON_ORDER[index];
+        match (self.fours >> (m / 64) & 1, self.twos >> (m / 8) & 1) {
             (0, _) => 2,
             (_, 0) => 1,
             _ => 0,
@@ -70,7 +82,8 @@ impl<V: Value> Brick<V> {
     /// The region that holds a sample.
     #[inline]
     pub(super) fn region_at(&self, p: [u32; 3]) -> Region<V> {
-        let (number, level) = self.find(p);
+        let index = index_of(p);
+        let (number, level) = (self.find(index), self.level_at(index));
         Region {
             base: p.map(|i| i >> level << level),
             level,
@@ -82,23 +95,16 @@ impl<V: Value> Brick<V> {
     /// The value of the region that holds a sample, counted x fastest.
     #[inline]
     pub(super) fn value(&self, index: usize) -> V {
-        let number = if self.is_finest() { index } else { self.find(place_of(index)).0 };
-        self.values[number]
+        self.values[self.find(index)]
     }
 
     /// Which samples have regions with such a value.
     #[inline]
     pub(super) fn slices(&self, is: impl Fn(V) -> bool) -> Slices {
-        if self.is_finest() {
-            return slices(&self.values, |value| is(*value));
+        match self.is_finest() {
+            true => slices(&self.values, |value| is(*value)),
+            false => slices(&self.samples(), |value| is(*value)),
         }
-        let mut slices = [0; SIDE as usize];
-        self.regions(|number, first, level| {
-            if is(self.values[number]) {
-                mark(&mut slices, first, level);
-            }
-        });
-        slices
     }
 
     /// Whether all regions are single samples.
@@ -132,14 +138,30 @@ impl<V: Value> Brick<V> {
     }
 
     /// All samples, x fastest.
+    #[inline]
     pub(super) fn samples(&self) -> [V; VOXELS] {
         let mut samples = [V::default(); VOXELS];
         if self.is_finest() {
             samples.copy_from_slice(&self.values);
-        } else {
-            self.regions(|number, first, level| {
-                fill(&mut samples, first, level, self.values[number]);
-            });
+            return samples;
+        }
+        let mut values = &*self.values;
+        for g in 0..VOXELS / 8 {
+            let place = usize::from(PLACES[8 * g]);
+            let own = &mut samples[place..place + STEPS[7] + 1];
+            if self.twos >> g & 1 == 1
+                && let Some((eight, rest)) = values.split_first_chunk::<8>()
+            {
+                (0..8).for_each(|c| own[STEPS[c]] = eight[c]);
+                values = rest;
+                continue;
+            }
+            let Some((&one, rest)) = values.split_first() else { break };
+            STEPS.into_iter().for_each(|step| own[step] = one);
+            // The parts of one that is not divided have one region together.
+            if self.fours >> (g / 8) & 1 == 1 || g % 8 == 7 {
+                values = rest;
+            }
         }
         samples
     }
@@ -200,33 +222,5 @@ impl<V: Value> Brick<V> {
         storage.cells += self.corners.iter().map(|c| u64::from(c.count_ones())).sum::<u64>();
         storage.resident_bytes +=
             (size_of::<Self>() + size_of_val(&*self.values) + self.corners.len()) as u64;
-    }
-}
-
-/// The place of a sample in its brick.
-#[inline]
-pub(super) fn place_of(index: usize) -> [u32; 3] {
-    [index % 8, index / 8 % 8, index / 64].map(|i| i as u32)
-}
-
-/// Fills a cube of a brick.
-#[inline]
-fn fill<T: Copy>(all: &mut [T; VOXELS], first: usize, level: u8, value: T) {
-    let (side, n) = (SIDE as usize, 1 << level);
-    for z in 0..n {
-        for y in 0..n {
-            let row = first + side * (y + side * z);
-            all[row..row + n].fill(value);
-        }
-    }
-}
-
-/// Sets the bits of a cube of a brick.
-#[inline]
-fn mark(slices: &mut Slices, first: usize, level: u8) {
-    const SQUARES: [u64; 3] = [1, 0x0303, 0x0f0f_0f0f];
-    let (z, level) = (first / 64, usize::from(level));
-    for slice in &mut slices[z..z + (1 << level)] {
-        *slice |= SQUARES[level] << (first % 64);
     }
 }

@@ -9,7 +9,7 @@ use super::{
     octree::{BRICK_LEVEL, Tree, child},
     window::Window,
 };
-use crate::mesh::{Border, Brick, Grid, SIDE, Voxels};
+use crate::mesh::{Border, Grid, SIDE};
 
 /// Some samples of a brick are inside, some are not.
 const INSIDE: u8 = 1;
@@ -46,19 +46,33 @@ impl<V: Value> HrbOctree<V> {
             .partition(|&(slot, _)| sides.all[slot] == BOTH);
         let brick = |&(_, place): &(usize, [u32; 3])| self.brick(place, isovalue, border);
         let mut bricks: Vec<NearBrick<'_, V>> = mixed.par_iter().map(brick).collect();
-        let mut numbers = vec![usize::MAX; sides.all.len()];
-        mixed.iter().enumerate().for_each(|(number, &(slot, _))| numbers[slot] = number);
+        let beside = sides.beside(&bricks);
         let is_met = |&&(slot, place): &&(usize, [u32; 3])| {
             // What lies beyond the volume is like the samples at its border.
-            self.whole_brick(place).is_none()
-                || is_met(&sides, slot, place, |slot| bricks.get(numbers[slot]))
+            self.whole_brick(place).is_none() || sides.all[slot] | beside.all[slot] == BOTH
         };
         let met: Vec<NearBrick<'_, V>> = others.par_iter().filter(is_met).map(brick).collect();
         bricks.extend(met);
+        bricks.par_extend(
+            self.around_large(&bricks)
+                .into_par_iter()
+                .map(|place| self.brick(place, isovalue, border)),
+        );
+        Grid::new(bricks, self.size, border)
+    }
+
+    /// The places of bricks that larger regions need, which begin elsewhere than where they meet the
+    /// surface, but for those of `bricks`.
+    fn around_large(&self, bricks: &[NearBrick<'_, V>]) -> Vec<[u32; 3]> {
+        let large: Vec<[u32; 3]> =
+            bricks.iter().filter(|brick| brick.is_part()).map(|brick| brick.place).collect();
+        if large.is_empty() {
+            return large;
+        }
         let mut places: FxHashSet<[u32; 3]> = bricks.iter().map(|brick| brick.place).collect();
         let mut bases = Vec::new();
-        for brick in &bricks {
-            self.bases(brick.place, |place| {
+        for place in large {
+            self.bases(place, |place| {
                 if places.insert(place) {
                     bases.push(place);
                 }
@@ -66,8 +80,7 @@ impl<V: Value> HrbOctree<V> {
         }
         let last = self.size.map(|n| n.div_ceil(SIDE) + 1);
         bases.retain(|place| (0..3).all(|axis| place[axis] <= last[axis]));
-        bricks.par_extend(bases.into_par_iter().map(|place| self.brick(place, isovalue, border)));
-        Grid::new(bricks, self.size, border)
+        bases
     }
 
     /// On which sides the samples of every brick from `first` to before `end` are.
@@ -195,23 +208,22 @@ impl<V: Value> HrbOctree<V> {
     }
 }
 
-/// Whether samples next to a brick that is on one side are on the other; `mixed` has the bricks on both
-/// sides, as far as they matter.
-fn is_met<'a, B: Voxels + 'a>(
-    sides: &Window<u8>,
-    slot: usize,
-    place: [u32; 3],
-    mixed: impl Fn(usize) -> Option<&'a Brick<B>>,
-) -> bool {
-    (0..27).any(|k| {
-        let step = [k % 3, k / 3 % 3, k / 9];
-        let at = [0, 1, 2].map(|axis| (place[axis] + step[axis] as u32).wrapping_sub(1));
-        let Some(beside) = sides.slot(at) else { return false };
-        match mixed(beside) {
-            Some(brick) => brick.meets(step, sides.all[slot] == OUTSIDE),
-            // Both sides, but not among those that matter.
-            None if sides.all[beside] == BOTH => false,
-            None => sides.all[slot] | sides.all[beside] == BOTH,
+impl Window<u8> {
+    /// Of every brick, on which sides samples next to it are, as far as those are in bricks on one side or
+    /// in `mixed` ones.
+    fn beside<V: Value>(&self, mixed: &[NearBrick<'_, V>]) -> Self {
+        let mut pure = self.clone();
+        pure.all.iter_mut().filter(|sides| **sides == BOTH).for_each(|sides| *sides = 0);
+        let mut beside = pure.spread();
+        for brick in mixed {
+            for step in (0..27).map(|k| [k % 3, k / 3 % 3, k / 9]) {
+                let at = |axis: usize| (brick.place[axis] + 1).wrapping_sub(step[axis] as u32);
+                let Some(slot) = beside.slot([at(0), at(1), at(2)]) else { continue };
+                let [inside, outside] = brick.shows(step);
+                beside.all[slot] |=
+                    if inside { INSIDE } else { 0 } | if outside { OUTSIDE } else { 0 };
+            }
         }
-    })
+        beside
+    }
 }

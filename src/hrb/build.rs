@@ -117,10 +117,9 @@ impl<T: Sample> Builder<'_, T> {
     /// Builds a node of 8³ samples.
     pub(super) fn brick(&self, base: [u32; 3]) -> Built<T> {
         let left = [0, 1, 2].map(|axis| (self.size[axis] - base[axis]).min(SIDE) as usize);
-        let row = |y: usize, z: usize| {
-            let start = self.index([base[0], base[1] + y as u32, base[2] + z as u32]);
-            &self.samples[start..start + left[0]]
-        };
+        let [nx, ny, _] = self.size.map(|n| n as usize);
+        let own = &self.samples[self.index(base)..];
+        let row = |y: usize, z: usize| &own[nx * (y + ny * z)..][..left[0]];
         let first = row(0, 0)[0];
         if left == [SIDE as usize; 3] && self.tolerance.epsilon >= 0.0 {
             let is_first = |row: &[T]| row.as_array::<8>().is_some_and(|row| *row == [first; 8]);
@@ -130,11 +129,17 @@ impl<T: Sample> Builder<'_, T> {
         }
         let parts = Parts::of(first, left, row);
         let n = left.iter().map(|&n| n as u64).product();
-        let summary = Summary { n, ..self.summary(&parts, 0, PARTS) };
+        let all = self.summary_between(&parts, (0, PARTS), parts.range_of_all());
+        let summary = Summary { n, ..all };
         if !self.is_divided(&summary) {
             return (Tree::region(summary.value()), Some(summary));
         }
         let (fours, twos) = self.divided(&parts);
+        let is_exact = self.is_exact(&parts);
+        let value = |first: usize, n: usize| match is_exact {
+            true => parts.range(first)[0].value(),
+            false => self.summary(&parts, first, n).value(),
+        };
         let n = 8 + 7 * (fours.count_ones() + twos.count_ones()) as usize;
         let mut values = Vec::with_capacity(n);
         if twos == u64::MAX {
@@ -142,13 +147,13 @@ impl<T: Sample> Builder<'_, T> {
         } else {
             for c in 0..8 {
                 if fours >> c & 1 == 0 {
-                    values.push(self.summary(&parts, 8 * c, 8).value());
+                    values.push(value(8 * c, 8));
                     continue;
                 }
                 for g in 8 * c..8 * c + 8 {
                     match twos >> g & 1 {
-                        0 => values.push(self.summary(&parts, g, 1).value()),
-                        _ => values.extend((0..8).map(|c| parts.sample(g, c).value())),
+                        0 => values.push(value(g, 1)),
+                        _ => values.extend(parts.eight(g).map(T::value)),
                     }
                 }
             }
@@ -162,8 +167,7 @@ impl<T: Sample> Builder<'_, T> {
     #[inline]
     fn divided(&self, parts: &Parts<T>) -> (u8, u64) {
         let (mut fours, mut twos) = (0, parts.mixed());
-        // Without a tolerance that is all.
-        let is_exact = self.tolerance == Tolerance::default() && parts.is_whole();
+        let is_exact = self.is_exact(parts);
         for c in 0..8 {
             let own = 0xff << (8 * c);
             let is_divided = if is_exact {
@@ -187,22 +191,36 @@ impl<T: Sample> Builder<'_, T> {
         (fours, twos)
     }
 
-    /// What is known of `n` parts of a brick from `first` on: one, a part of 4³ samples, or all.
+    /// Whether parts that are not divided have equal samples, and nothing else has.
+    #[inline]
+    fn is_exact(&self, parts: &Parts<T>) -> bool {
+        self.tolerance == Tolerance::default() && parts.is_whole()
+    }
+
+    /// What is known of `n` parts of a brick from `first` on: one, or a part of 4³ samples.
     #[inline]
     fn summary(&self, parts: &Parts<T>, first: usize, n: usize) -> Summary<T> {
-        let all = first..first + n;
-        let mut summary = Summary::of(parts.range(first)[0], 8 * n as u64);
-        for [least, most] in all.clone().map(|g| parts.range(g)) {
-            summary.least = summary.least.least(least);
-            summary.most = summary.most.most(most);
+        let [mut least, mut most] = parts.range(first);
+        for range in (first + 1..first + n).map(|g| parts.range(g)) {
+            least = least.least(range[0]);
+            most = most.most(range[1]);
         }
-        summary.is_cut = parts.is_cut(first, n);
+        self.summary_between(parts, (first, n), [least, most])
+    }
+
+    /// The same of parts of which it is known what they are between.
+    #[inline]
+    fn summary_between(
+        &self,
+        parts: &Parts<T>,
+        (first, n): (usize, usize),
+        [least, most]: [T; 2],
+    ) -> Summary<T> {
+        let is_cut = parts.is_cut(first, n);
+        let mut summary = Summary { least, most, is_cut, ..Summary::of(least, 8 * n as u64) };
         // Otherwise regions are their samples, and no mean is asked for.
         if self.tolerance != Tolerance::default() {
-            let samples = all.flat_map(|g| (0..8).map(move |c| (g, c)));
-            let sums =
-                samples.filter(|&(g, c)| parts.holds(g, c)).map(|(g, c)| parts.sample(g, c).sum());
-            summary.sum = sums.reduce(T::add).unwrap_or(summary.sum);
+            summary.sum = parts.sum(first, n).unwrap_or(summary.sum);
         }
         summary
     }

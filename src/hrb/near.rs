@@ -2,28 +2,25 @@
 
 use std::array;
 
-use super::{
-    brick::{Brick, place_of},
-    octree::Tree,
-    sample::Value,
-};
-use crate::mesh::{self, Border, SIDE, Slices, Voxels, offset};
+use super::{brick::Brick, octree::Tree, sample::Value};
+use crate::mesh::{self, Border, SIDE, Slices, VOXELS, Voxels, offset};
 
 /// See the file's text; what lies beyond the volume is like the samples at its border, which are those
 /// of one brick, or outside.
 #[derive(Debug)]
 pub struct NearVoxels<'a, V> {
     own: Own<'a, V>,
+    isovalue: f64,
     beyond: Option<Beyond>,
 }
 
 /// What the samples are.
 #[derive(Debug)]
 enum Own<'a, V> {
-    /// All of one region, or of a part of one: how far its value is above the isovalue, and its level.
-    Region(f32, u8),
-    /// Of several, and the isovalue.
-    Brick(&'a Brick<V>, f64),
+    /// All of one region, or of a part of one: its value and its level.
+    Region(V, u8),
+    /// Of several.
+    Brick(&'a Brick<V>),
 }
 
 /// Which voxels of a brick lie beyond the volume.
@@ -51,14 +48,11 @@ impl<'a, V: Value> NearVoxels<'a, V> {
         let least = V::at_least(isovalue);
         let is_inside = |value: V| least.is_some_and(|least| value >= least);
         let (own, mut inside, mut coarse) = match tree {
-            Tree::Brick(brick) => (
-                Own::Brick(brick, isovalue),
-                brick.slices(is_inside),
-                array::from_fn(|z| !brick.below(1, z)),
-            ),
+            Tree::Brick(brick) => {
+                (Own::Brick(brick), brick.slices(is_inside), array::from_fn(|z| !brick.below(1, z)))
+            }
             Tree::Region { value, .. } => {
-                let offset = offset(value.to_f64(), isovalue);
-                (Own::Region(offset, level), all(is_inside(*value)), all(level > 0))
+                (Own::Region(*value, level), all(is_inside(*value)), all(level > 0))
             }
             Tree::Node(_) => unreachable!("nodes end in bricks and regions"),
         };
@@ -69,7 +63,7 @@ impl<'a, V: Value> NearVoxels<'a, V> {
                 (0..SIDE as usize).for_each(|z| inside[z] &= !beyond.slice(z));
             }
         }
-        mesh::Brick::of(place, Self { own, beyond }, inside, coarse)
+        mesh::Brick::of(place, Self { own, isovalue, beyond }, inside, coarse)
     }
 
     /// The voxel that one is like, if it is not outside.
@@ -83,12 +77,31 @@ impl<'a, V: Value> NearVoxels<'a, V> {
 }
 
 impl<V: Value> Voxels for NearVoxels<'_, V> {
+    type Value = V;
+
     #[inline]
     fn offset(&self, index: usize) -> f32 {
         let Some(index) = self.like(index) else { return f32::MIN };
+        self.offset_of(match &self.own {
+            Own::Brick(brick) => brick.value(index),
+            Own::Region(value, _) => *value,
+        })
+    }
+
+    #[inline]
+    fn offset_of(&self, value: V) -> f32 {
+        offset(value.to_f64(), self.isovalue)
+    }
+
+    #[inline]
+    fn values(&self, all: &mut [V; VOXELS]) {
         match &self.own {
-            Own::Brick(brick, isovalue) => offset(brick.value(index).to_f64(), *isovalue),
-            Own::Region(offset, _) => *offset,
+            Own::Brick(brick) => *all = brick.samples(),
+            Own::Region(value, _) => all.fill(*value),
+        }
+        if let Some(beyond) = &self.beyond {
+            let own = *all;
+            (0..VOXELS).for_each(|index| all[index] = own[beyond.place(index)]);
         }
     }
 
@@ -96,7 +109,7 @@ impl<V: Value> Voxels for NearVoxels<'_, V> {
     fn level(&self, index: usize) -> u8 {
         let like = self.beyond.as_ref().map_or(index, |beyond| beyond.place(index));
         match &self.own {
-            Own::Brick(brick, _) => brick.level_at(place_of(like)),
+            Own::Brick(brick) => brick.level_at(like),
             Own::Region(_, level) => *level,
         }
     }
@@ -146,10 +159,11 @@ impl Beyond {
 
     /// What is true of each voxel's like.
     fn spread(&self, own: &Slices) -> Slices {
+        const FIRST_X: u64 = 0x0101_0101_0101_0101;
         let [xs, ys, zs] = &self.like;
-        let row = |row: u64| (0..8).fold(0, |bits, x| bits | (row >> xs[x] & 1) << x);
-        let slice = |slice: u64| {
-            (0..8).fold(0, |bits, y| bits | row(slice >> (8 * ys[y]) & 0xff) << (8 * y))
+        let slice = |own: u64| {
+            let rows = (0..8).fold(0, |bits, x| bits | (own >> xs[x] & FIRST_X) << x);
+            (0..8).fold(0, |bits, y| bits | (rows >> (8 * ys[y]) & 0xff) << (8 * y))
         };
         array::from_fn(|z| slice(own[usize::from(zs[z])]))
     }

@@ -5,6 +5,7 @@
 //! above them alone.
 
 use super::{brick::Brick, sample::Value};
+use crate::mesh::index_of;
 
 /// Edge of a brick, as a power of two.
 pub(super) const BRICK_LEVEL: u8 = 3;
@@ -110,7 +111,7 @@ impl<V: Value> HrbOctree<V> {
     /// The level of the region that holds a sample.
     pub(super) fn level_at(&self, p: [u32; 3]) -> u8 {
         match self.brick_at(p) {
-            (Tree::Brick(brick), _) => brick.level_at(p),
+            (Tree::Brick(brick), _) => brick.level_at(index_of(p)),
             (_, level) => level,
         }
     }

@@ -2,7 +2,10 @@
 
 use std::array;
 
-use super::{brick::PLACES, sample::Sample};
+use super::{
+    brick::{PLACES, STEPS},
+    sample::Sample,
+};
 use crate::mesh::{SIDE, VOXELS, byte_bits};
 
 /// Parts of 2³ samples in a brick.
@@ -37,27 +40,23 @@ impl<T: Sample> Parts<T> {
                 }
             }
         }
-        let (mut least, mut most) = ([first; PARTS], [first; PARTS]);
         let (slices, _) = samples.as_chunks::<64>();
         // One axis after the other, many samples at once.
+        let (mut low, mut high) = ([first; 2 * PARTS], [first; 2 * PARTS]);
         for z in 0..4 {
             let (below, above) = (&slices[2 * z], &slices[2 * z + 1]);
-            let (mut low, mut high) = (*below, *below);
-            join(&mut low, &mut high, above, above);
+            let (mut least, mut most) = (*below, *below);
+            join(&mut least, &mut most, above, above);
             for y in 0..4 {
-                let start = 16 * y;
-                let of_row =
-                    |all: &[T; 64], start: usize| -> [T; 8] { array::from_fn(|x| all[start + x]) };
-                let (mut of_rows, mut most_of_rows) = (of_row(&low, start), of_row(&high, start));
-                let (next, most_of_next) = (of_row(&low, start + 8), of_row(&high, start + 8));
-                join(&mut of_rows, &mut most_of_rows, &next, &most_of_next);
-                for x in 0..4 {
-                    let at = x + 4 * y + 16 * z;
-                    least[at] = of_rows[2 * x].least(of_rows[2 * x + 1]);
-                    most[at] = most_of_rows[2 * x].most(most_of_rows[2 * x + 1]);
-                }
+                let own = 8 * (y + 4 * z);
+                let rows = 16 * y..16 * y + 16;
+                join_rows(&mut low[own..own + 8], &least[rows.clone()], T::least);
+                join_rows(&mut high[own..own + 8], &most[rows], T::most);
             }
         }
+        let [low, high] = [&low, &high].map(|all| all.as_chunks::<2>().0);
+        let least = array::from_fn(|at| low[at][0].least(low[at][1]));
+        let most = array::from_fn(|at| high[at][0].most(high[at][1]));
         Self { samples, least, most, left }
     }
 
@@ -66,6 +65,13 @@ impl<T: Sample> Parts<T> {
     pub(super) fn range(&self, g: usize) -> [T; 2] {
         let place = usize::from(PARTS_IN_ROWS[g]);
         [self.least[place], self.most[place]]
+    }
+
+    /// The same of all parts.
+    #[inline]
+    pub(super) fn range_of_all(&self) -> [T; 2] {
+        let (first, last) = (self.least[0], self.most[0]);
+        [self.least.into_iter().fold(first, T::least), self.most.into_iter().fold(last, T::most)]
     }
 
     /// Bit g: the samples of part g are not all equal. No number differs from itself.
@@ -77,10 +83,28 @@ impl<T: Sample> Parts<T> {
         swapped(bits, 2, 3)
     }
 
-    /// Sample c of a part.
+    /// The sum of the volume's samples in `n` parts, one after the other, if there are any.
     #[inline]
-    pub(super) fn sample(&self, g: usize, c: usize) -> T {
-        self.samples[usize::from(PLACES[8 * g + c])]
+    pub(super) fn sum(&self, first: usize, n: usize) -> Option<T::Sum> {
+        let is_whole = self.is_whole();
+        let mut all = None;
+        for g in first..first + n {
+            for (c, sample) in self.eight(g).into_iter().enumerate() {
+                if is_whole || self.holds(g, c) {
+                    let sum = sample.sum();
+                    all = Some(all.map_or(sum, |all| T::add(all, sum)));
+                }
+            }
+        }
+        all
+    }
+
+    /// All samples of a part.
+    #[inline]
+    pub(super) fn eight(&self, g: usize) -> [T; 8] {
+        let first = usize::from(PLACES[8 * g]);
+        let own = &self.samples[first..first + STEPS[7] + 1];
+        STEPS.map(|step| own[step])
     }
 
     /// Whether all samples are the volume's.
@@ -91,7 +115,7 @@ impl<T: Sample> Parts<T> {
 
     /// Whether a sample is one of the volume's.
     #[inline]
-    pub(super) fn holds(&self, g: usize, c: usize) -> bool {
+    fn holds(&self, g: usize, c: usize) -> bool {
         (0..3).all(|axis| first_of(g, axis) + (c >> axis & 1) < self.left[axis])
     }
 
@@ -129,6 +153,15 @@ fn swapped(word: u64, a: u32, b: u32) -> u64 {
     let step = (1 << b) - (1 << a);
     let differing = (word ^ word >> step) & low;
     word ^ differing ^ differing << step
+}
+
+/// One row of samples of two.
+#[inline]
+fn join_rows<T: Sample>(joined: &mut [T], rows: &[T], join: impl Fn(T, T) -> T) {
+    let (one, other) = rows.split_at(8);
+    for ((joined, one), other) in joined.iter_mut().zip(one).zip(other) {
+        *joined = join(*one, *other);
+    }
 }
 
 /// The least of samples and of others at the same places, and the largest.
@@ -184,7 +217,7 @@ mod tests {
                         samples[x + 8 * (y + 8 * z)]
                     })
                     .collect();
-                prop_assert_eq!(&own, &(0..8).map(|c| parts.sample(g, c)).collect::<Vec<_>>());
+                prop_assert_eq!(&own, &parts.eight(g));
                 let range = [own.iter().min(), own.iter().max()].map(|one| *one.unwrap());
                 prop_assert_eq!(parts.range(g), range);
                 prop_assert_eq!(parts.mixed() >> g & 1 == 1, range[0] < range[1]);

@@ -8,7 +8,7 @@
 //! *Based on:* W. Lorensen, H. Cline, "Marching Cubes", SIGGRAPH 1987; A. León Salas, 2008, section
 //! 2.4 (the same cells, stretched or collapsed, in a dual grid).
 
-use std::sync::LazyLock;
+use std::{array, sync::LazyLock};
 
 /// Edges of a cell: edge `4 axis + j` goes along `axis`; bit 0 and 1 of j are its place on the next
 /// two axes. Its ends are octants x + 2y + 4z.
@@ -51,6 +51,10 @@ pub(super) struct Case {
 
 /// By the octants that lie inside, as bits.
 pub(super) static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| (0..=u8::MAX).map(case).collect());
+
+/// How many triangles each has.
+pub(super) static N_TRIANGLES: LazyLock<[u8; 256]> =
+    LazyLock::new(|| array::from_fn(|inside| CASES[inside].triangles.len() as u8));
 
 fn case(inside: u8) -> Case {
     let loops = loops(inside);

@@ -1,5 +1,7 @@
 //! Cells of a brick as bits: 64 voxels, or the cells from these on, are looked at together.
 
+use std::array;
+
 use super::grid::{SIDE, Slices};
 
 /// Bits of the first voxels of a slice, along x and along y.
@@ -15,6 +17,9 @@ pub(super) const LAST_Y: u64 = FIRST_Y << 56;
 pub(super) struct Words([[u64; 4]; SIDE as usize + 1]);
 
 impl Words {
+    /// True of all.
+    pub(super) const ALL: Self = Self([[u64::MAX; 4]; SIDE as usize + 1]);
+
     /// Of what `of` tells of the bricks from a brick on, by steps of x + 3y + 9z.
     #[inline]
     pub(super) fn new(of: impl Fn(usize) -> Slices) -> Self {
@@ -45,6 +50,16 @@ impl Words {
         if axis == 2 { self.0[z + 1][i] } else { self.0[z][i | 1 << axis] }
     }
 
+    /// The rows along x of a slice: 9 bits each.
+    #[inline]
+    fn rows(&self, z: usize) -> [u16; 9] {
+        let [own, x, y, both] = self.0[z];
+        let row = |own: u64, x: u64, y: usize| {
+            (own >> (8 * y)) as u16 & 0xff | ((x >> (8 * y)) as u16 & 0x80) << 1
+        };
+        array::from_fn(|i| if i < 8 { row(own, x, i) } else { row(y, both, 7) })
+    }
+
     /// Whether all four words of a slice, or any, have a bit.
     #[inline]
     fn all(&self, z: usize) -> u64 {
@@ -67,22 +82,40 @@ pub(super) struct CellBits {
 }
 
 impl CellBits {
-    /// Of the cells from the voxels of a slice on, those with voxels inside and voxels that are not.
+    /// Of the cells from the voxels of a slice on, those with voxels inside and voxels that are not. Those
+    /// in the middle of an edge, or a face, of larger voxels are none.
     #[inline]
     pub(super) fn mixed(&self, z: usize) -> u64 {
         let (inside, known) = (&self.inside, &self.known);
         let (any, all) = (inside.any(z) | inside.any(z + 1), inside.all(z) & inside.all(z + 1));
-        any & !all & known.all(z) & known.all(z + 1)
+        any & !all & known.all(z) & known.all(z + 1) & self.may_be_corners(z)
     }
 
-    /// The octants of one of them that lie inside, as bits.
+    /// Of the cells from the voxels of a slice on, those around what may be the corner of a voxel: of one of
+    /// the finest, or at even places.
     #[inline]
-    pub(super) fn case(&self, z: usize, bit: usize) -> usize {
-        let octants = |z: usize| {
-            let [a, b, c, d] = self.inside.0[z].map(|word| (word >> bit & 1) as usize);
-            a | b << 1 | c << 2 | d << 3
-        };
-        octants(z) | octants(z + 1) << 4
+    fn may_be_corners(&self, z: usize) -> u64 {
+        const EVEN: u64 = 0xaa00_aa00_aa00_aa00;
+        !(self.coarse.all(z) & self.coarse.all(z + 1)) | if z % 2 == 1 { EVEN } else { 0 }
+    }
+
+    /// Calls `tell` with the place of each of these cells in a slice, and its octants that lie inside, as
+    /// bits.
+    #[inline]
+    pub(super) fn each_mixed(&self, z: usize, mut tell: impl FnMut(usize, usize)) {
+        let mut rest = self.mixed(z);
+        if rest == 0 {
+            return;
+        }
+        let [below, above] = [z, z + 1].map(|z| self.inside.rows(z));
+        while rest != 0 {
+            let bit = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let (x, y) = (bit % 8, bit / 8 % 8);
+            let pair = |row: u16| usize::from(row >> x & 3);
+            let octants = |rows: &[u16; 9]| pair(rows[y]) | pair(rows[y + 1]) << 2;
+            tell(bit, octants(&below) | octants(&above) << 4);
+        }
     }
 
     /// Which edges from the voxels of word `i` of a slice along `axis` are cut.
@@ -117,7 +150,7 @@ mod tests {
         #[test]
         fn words_hold_the_bits_of_the_next_voxels(seed: u64) {
             let slices = |step: usize| -> Slices {
-                std::array::from_fn(|z| {
+                array::from_fn(|z| {
                     seed.wrapping_mul((8 * step + z) as u64 | 1).rotate_left(31 + z as u32)
                 })
             };

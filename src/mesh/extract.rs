@@ -13,7 +13,7 @@
 //! *Based on:* A. León Salas, 2008, sections 2.3 and 2.4 (the dual grid, and crossings within half a
 //! voxel of the face that two voxels share).
 
-use std::{ops::Range, sync::LazyLock};
+use std::sync::LazyLock;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -21,10 +21,12 @@ use rayon::prelude::*;
 use super::{
     cases::{CASES, Case, Loop},
     cells::CellBits,
-    cuts::{Cuts, DualEdge, WORDS},
+    cuts::{Cuts, DualEdge},
     grid::{Border, Grid, Leaf, RUN, SIDE, VOXELS, Voxels},
     halo::Halo,
     numbers::{Numbers, STEPS_TO, cell_at},
+    runs::{Part, close_up, shared_out},
+    values::Values,
 };
 
 /// Cut edges stay away from both ends of the zone in which they are looked for by this part of it:
@@ -78,40 +80,38 @@ pub fn extract<B: Voxels, T: Copy + Default + Send>(
     grid: &Grid<B>,
     vertex: impl Fn(&Crossing) -> T + Sync,
 ) -> Extraction<T> {
-    let n = grid.bricks.len();
-    let mut cuts = vec![Cuts::default(); n];
+    let mut cuts = vec![Cuts::default(); grid.bricks.len()];
     Cuts::find(&mut cuts, grid, |_| true);
     let firsts = Cuts::firsts(&cuts);
-    let n_vertices: u32 = cuts.iter().map(Cuts::count).sum();
     let edges = Edges { grid, cuts, firsts };
+    let n_vertices: u32 = edges.cuts.iter().map(Cuts::count).sum();
+    let room: usize = edges.cuts.iter().map(Cuts::room).sum();
     let mut vertices = vec![T::default(); n_vertices as usize];
-    let mut rest = vertices.as_mut_slice();
-    let mut runs = Vec::with_capacity(n.div_ceil(RUN));
-    for first in (0..n).step_by(RUN) {
-        let bricks = first..(first + RUN).min(n);
-        let count: u32 = edges.cuts[bricks.clone()].iter().map(Cuts::count).sum();
-        let (own, others) = rest.split_at_mut(count as usize);
-        runs.push((bricks, own));
-        rest = others;
-    }
-    let triangles_of = |(bricks, own): (Range<usize>, &mut [T])| {
-        let mut triangles = Vec::with_capacity(5 * own.len() / 2);
-        let mut own = own.iter_mut();
-        let mut numbers = Numbers::default();
-        for number in bricks {
+    let mut triangles = vec![[0; 3]; room];
+    let parts = shared_out(&edges.cuts, &mut vertices, &mut triangles);
+    let extract = |(bricks, vertices, triangles): Part<'_, T>| {
+        let (room, mut vertices) = (triangles.len(), vertices.iter_mut());
+        let mut triangles = triangles.iter_mut();
+        let (mut values, mut numbers) = (Values::default(), Numbers::default());
+        for number in bricks.filter(|&number| !edges.cuts[number].is_empty()) {
             let halo = Halo::new(grid, number);
             let cells = halo.cells();
-            edges.each_crossing(&halo, &cells, |crossing| {
-                if let Some(place) = own.next() {
+            edges.each_crossing(&halo, &cells, (&mut values, &mut numbers), |crossing| {
+                if let Some(place) = vertices.next() {
                     *place = vertex(crossing);
                 }
             });
-            edges.triangles(&halo, &cells, &mut numbers, &mut triangles);
+            edges.each_triangle(&halo, &cells, &mut numbers, |triangle| {
+                if let Some(place) = triangles.next() {
+                    *place = triangle;
+                }
+            });
         }
-        triangles
+        [room, room - triangles.len()]
     };
-    let triangles: Vec<Vec<[u32; 3]>> = runs.into_par_iter().map(triangles_of).collect();
-    Extraction { vertices, triangles: triangles.concat() }
+    let found: Vec<[usize; 2]> = parts.into_par_iter().map(extract).collect();
+    close_up(&mut triangles, &found);
+    Extraction { vertices, triangles }
 }
 
 /// Some bricks of a grid, extracted by themselves.
@@ -154,13 +154,14 @@ pub(super) fn extract_parts<B: Voxels>(
         let n: u32 = wanted.iter().map(|&number| edges.cuts[number].count()).sum();
         let mut vertices = Vec::with_capacity(n as usize);
         let mut triangles = Vec::with_capacity(5 * n as usize / 2);
-        let mut numbers = Numbers::default();
+        let (mut values, mut numbers) = (Values::default(), Numbers::default());
         let of_brick = |&number: &usize| {
             let before = triangles.len();
             let halo = Halo::new(grid, number);
             let cells = halo.cells();
-            edges.each_crossing(&halo, &cells, |crossing| vertices.push(*crossing));
-            edges.triangles(&halo, &cells, &mut numbers, &mut triangles);
+            let push = |crossing: &Crossing| vertices.push(*crossing);
+            edges.each_crossing(&halo, &cells, (&mut values, &mut numbers), push);
+            edges.each_triangle(&halo, &cells, &mut numbers, |triangle| triangles.push(triangle));
             (number, triangles.len() - before)
         };
         let bricks = wanted.iter().map(of_brick).collect();
@@ -181,14 +182,21 @@ pub(super) struct Edges<'a, B> {
 }
 
 impl<B: Voxels> Edges<'_, B> {
-    /// Calls `tell` with the vertex on every cut edge of a brick's own, in order.
+    /// Calls `tell` with the vertex on every cut edge of a brick's own, in order, and sets the numbers of
+    /// those on edges that leave voxels along an axis.
     #[inline]
-    fn each_crossing(&self, halo: &Halo<'_, B>, cells: &CellBits, mut tell: impl FnMut(&Crossing)) {
+    fn each_crossing(
+        &self,
+        halo: &Halo<'_, B>,
+        cells: &CellBits,
+        mut own: (&mut Values<B>, &mut Numbers),
+        mut tell: impl FnMut(&Crossing),
+    ) {
+        self.each_upwards::<0>(halo, cells, &mut own, &mut tell);
+        self.each_upwards::<1>(halo, cells, &mut own, &mut tell);
+        self.each_upwards::<2>(halo, cells, &mut own, &mut tell);
         let cuts = &self.cuts[halo.number()];
-        self.each_upwards::<0>(halo, cells, cuts, &mut tell);
-        self.each_upwards::<1>(halo, cells, cuts, &mut tell);
-        self.each_upwards::<2>(halo, cells, cuts, &mut tell);
-        for word in WORDS / 2..WORDS {
+        for word in cuts.downwards() {
             cuts.each(word, u64::MAX, |bit, _| {
                 let slot = 64 * word + bit;
                 tell(&self.crossing(halo, slot % VOXELS, slot / VOXELS));
@@ -202,22 +210,23 @@ impl<B: Voxels> Edges<'_, B> {
         &self,
         halo: &Halo<'_, B>,
         cells: &CellBits,
-        cuts: &Cuts,
+        (values, numbers): &mut (&mut Values<B>, &mut Numbers),
         tell: &mut impl FnMut(&Crossing),
     ) {
-        let first = halo.origin.map(|i| i.wrapping_add(1).wrapping_sub(SIDE) as f32 + 0.5);
+        let (cuts, first_number) = (&self.cuts[halo.number()], self.firsts[halo.number()]);
+        let first = [0, 1, 2].map(|axis| halo.first(axis).wrapping_sub(SIDE) as f32 + 0.5);
+        let inner = halo.without_phantoms(AXIS);
         for z in 0..SIDE as usize {
             // Edges between two of the finest voxels, which are most.
             let coarse = cells.coarse.at(0, z) | cells.coarse.after(0, z, AXIS);
-            let plain = if halo.is_bordering { 0 } else { !coarse };
-            let word = 8 * AXIS + z;
-            cuts.each(word, u64::MAX, |bit, _| {
-                let index = 64 * z + bit;
+            let plain = inner[z] & !coarse;
+            cuts.each(8 * AXIS + z, u64::MAX, |bit, rank| {
+                let (index, steps) = (64 * z + bit, [bit % 8, bit / 8, z]);
+                numbers.set::<AXIS>(steps, first_number + rank);
                 if plain >> bit & 1 == 0 {
                     return tell(&self.crossing(halo, index, AXIS));
                 }
-                let offsets = halo.offsets_along::<AXIS>(index);
-                let steps = [bit % 8, bit / 8, z];
+                let offsets = values.along::<AXIS>(halo, index);
                 let lower = [0, 1, 2].map(|axis| first[axis] + steps[axis] as f32);
                 let mut upper = lower;
                 upper[AXIS] += 1.0;
@@ -258,38 +267,30 @@ impl<B: Voxels> Edges<'_, B> {
         Crossing { ends, offsets: [f, g], part, is_cap }
     }
 
-    /// The triangles of the cells whose first voxel is in a brick.
+    /// Calls `tell` with the triangles of the cells whose first voxel is in a brick.
     #[inline]
-    fn triangles(
+    fn each_triangle(
         &self,
         halo: &Halo<'_, B>,
         cells: &CellBits,
         numbers: &mut Numbers,
-        triangles: &mut Vec<[u32; 3]>,
+        mut tell: impl FnMut([u32; 3]),
     ) {
         numbers.fill(self, halo, cells);
         let plain = &*PLAIN;
         for z in 0..SIDE as usize {
-            let mut rest = cells.mixed(z);
-            if rest == 0 {
-                continue;
-            }
             let collapsed = if halo.has_coarse { cells.at_large(z) } else { 0 };
-            while rest != 0 {
-                let bit = rest.trailing_zeros() as usize;
-                rest &= rest - 1;
-                let (case, at) = (cells.case(z, bit), [1 + bit % 8, 1 + bit / 8, 1 + z]);
+            cells.each_mixed(z, |bit, case| {
+                let at = [1 + bit % 8, 1 + bit / 8, 1 + z];
                 if collapsed >> bit & 1 == 1 {
-                    collapsed_cell(halo, at, &CASES[case], numbers, triangles);
-                    continue;
+                    return each_collapsed(halo, at, &CASES[case], numbers, &mut tell);
                 }
                 let Plain { n, corners } = &plain[case];
                 let cell = cell_at(at);
-                for &[a, b, c] in &corners[..*n] {
-                    let corner = |steps| numbers.of(cell, steps);
-                    triangles.push([corner(a), corner(b), corner(c)]);
+                for corners in &corners[..*n] {
+                    tell(corners.map(|steps| numbers.of(cell, steps)));
                 }
-            }
+            });
         }
     }
 
@@ -300,14 +301,14 @@ impl<B: Voxels> Edges<'_, B> {
     }
 }
 
-/// The triangles of a cell with vertices on edges between voxels that are larger than the finest, of
-/// which some may be one.
-fn collapsed_cell<B: Voxels>(
+/// Calls `tell` with the triangles of a cell with vertices on edges between voxels that are larger than
+/// the finest, of which some may be one.
+fn each_collapsed<B: Voxels>(
     halo: &Halo<'_, B>,
     at: [usize; 3],
     case: &Case,
     numbers: &Numbers,
-    triangles: &mut Vec<[u32; 3]>,
+    tell: &mut impl FnMut([u32; 3]),
 ) {
     if !halo.is_corner(at) {
         return;
@@ -315,7 +316,7 @@ fn collapsed_cell<B: Voxels>(
     let cell = cell_at(at);
     for edges in &case.loops {
         let vertex = |edge: u8| numbers.of(cell, STEPS_TO[usize::from(edge)]);
-        triangles.extend(Loop::collapsed(edges, vertex).triangles());
+        Loop::collapsed(edges, vertex).triangles().for_each(&mut *tell);
     }
 }
 

@@ -8,7 +8,7 @@
 //! *Based on:* A. León Salas, 2008, sections 2.3 and 2.4 (dual grids of voxels of different size,
 //! wrapping cells).
 
-use std::array;
+use std::{array, ops::Range};
 
 use rayon::prelude::*;
 
@@ -56,8 +56,17 @@ pub(super) fn is_inside(offset: f32) -> bool {
 
 /// Values and sizes of the voxels of a brick, which are asked for where the surface is.
 pub trait Voxels: Send + Sync {
+    /// A value as it is kept.
+    type Value: Copy + Default;
+
     /// How far the value at a voxel, x fastest, is above the isovalue, as [`offset`].
     fn offset(&self, index: usize) -> f32;
+
+    /// The values of all that are no phantoms.
+    fn values(&self, all: &mut [Self::Value; VOXELS]);
+
+    /// How far one of these is above the isovalue.
+    fn offset_of(&self, value: Self::Value) -> f32;
 
     /// The voxel's edge is `2^level` of the finest.
     fn level(&self, index: usize) -> u8;
@@ -71,6 +80,20 @@ pub struct Stored {
 }
 
 impl Voxels for Stored {
+    type Value = f32;
+
+    fn values(&self, all: &mut [f32; VOXELS]) {
+        match &*self.offsets {
+            [one] => all.fill(*one),
+            offsets => all.copy_from_slice(offsets),
+        }
+    }
+
+    #[inline]
+    fn offset_of(&self, offset: f32) -> f32 {
+        offset
+    }
+
     #[inline]
     fn offset(&self, index: usize) -> f32 {
         self.offsets[if self.offsets.len() == 1 { 0 } else { index }]
@@ -123,16 +146,21 @@ impl<B: Voxels> Brick<B> {
         self.has_coarse && 1 << self.voxels.level(0) >= SIDE
     }
 
-    /// Whether a voxel beside another brick is inside, or outside; this one is the one number
-    /// x, y, z of the 27 around that.
-    pub(crate) fn meets(&self, [x, y, z]: [usize; 3], inside: bool) -> bool {
+    /// Whether it is a part of a larger voxel.
+    pub(crate) fn is_part(&self) -> bool {
+        self.has_coarse && 1 << self.voxels.level(0) > SIDE
+    }
+
+    /// Whether of the voxels beside another brick some are inside, and whether some are outside; this
+    /// brick is the one number x, y, z of the 27 around that.
+    pub(crate) fn shows(&self, [x, y, z]: [usize; 3]) -> [bool; 2] {
         // The last, all, or the first in a row.
         const ROWS: [u64; 3] = [1 << 7, 0xff, 1];
         const COLUMN: u64 = 0x0101_0101_0101_0101;
         const COLUMNS: [u64; 3] = [0xff << 56, u64::MAX, 0xff];
         let layer = (COLUMN * ROWS[x]) & COLUMNS[y];
-        let slices = [7..8, 0..8, 0..1][z].clone();
-        self.inside[slices].iter().any(|bits| (if inside { *bits } else { !bits }) & layer != 0)
+        let slices = &self.inside[[7..8, 0..8, 0..1][z].clone()];
+        [0, u64::MAX].map(|flip| slices.iter().fold(0, |any, bits| any | bits ^ flip) & layer != 0)
     }
 }
 
@@ -225,16 +253,22 @@ impl<B: Voxels> Grid<B> {
         !self.bricks.iter().any(Brick::has_large)
     }
 
-    /// Whether a coordinate is that of a voxel or a phantom.
+    /// The coordinates of voxels and phantoms.
     #[inline]
-    pub(super) fn holds(&self, axis: usize, i: u32) -> bool {
-        (SIDE - 1..=SIDE + self.size[axis]).contains(&i)
+    pub(super) fn held(&self, axis: usize) -> Range<u32> {
+        SIDE - 1..SIDE + self.size[axis] + 1
+    }
+
+    /// The coordinates of voxels.
+    #[inline]
+    pub(super) fn voxels(&self, axis: usize) -> Range<u32> {
+        SIDE..SIDE + self.size[axis]
     }
 
     /// Whether a coordinate is that of a voxel.
     #[inline]
     pub(super) fn is_voxel(&self, axis: usize, i: u32) -> bool {
-        (SIDE..SIDE + self.size[axis]).contains(&i)
+        self.voxels(axis).contains(&i)
     }
 
     /// The voxel, or phantom, that holds the finest voxel at `p` of a brick.

@@ -2,7 +2,7 @@
 //!
 //! Places in it are counted from the layer before the brick: 0 to 9 along each axis.
 
-use std::array;
+use std::{array, ops::Range};
 
 use super::{
     cells::{CellBits, FIRST_X, Words},
@@ -52,7 +52,10 @@ impl<'a, B: Voxels> Halo<'a, B> {
     pub(super) fn cells(&self) -> CellBits {
         CellBits {
             inside: Words::new(|step| self.inside(MIDDLE + step)),
-            known: Words::new(|step| self.known(MIDDLE + step)),
+            known: match self.is_bordering || self.numbers.contains(&NO_BRICK) {
+                true => Words::new(|step| self.known(MIDDLE + step)),
+                false => Words::ALL,
+            },
             coarse: match self.has_coarse {
                 true => Words::new(|step| self.coarse(MIDDLE + step)),
                 false => Words::default(),
@@ -104,15 +107,28 @@ impl<'a, B: Voxels> Halo<'a, B> {
         if !self.is_bordering {
             return [u64::MAX; SIDE as usize];
         }
-        let bits = |axis: usize| {
-            let step = (k / STEPS[axis] % 3) as u32 * SIDE;
-            let first = self.origin[axis].wrapping_add(1).wrapping_add(step).wrapping_sub(SIDE);
-            let held = |i: u32| self.grid.holds(axis, first.wrapping_add(i));
-            (0..SIDE).fold(0, |bits, i| bits | u64::from(held(i)) << i)
-        };
-        let (xs, ys, zs) = (bits(0), bits(1), bits(2));
-        let slice = (0..8).fold(0, |slice, y| slice | (xs * (ys >> y & 1)) << (8 * y));
-        array::from_fn(|z| slice * (zs >> z & 1))
+        in_brick(|axis| {
+            let first = self.first(axis) + (k / STEPS[axis] % 3) as u32 * SIDE - SIDE;
+            bits_of(first, self.grid.held(axis))
+        })
+    }
+
+    /// Which edges from the voxels of the brick along `axis` are between voxels, not phantoms.
+    #[inline]
+    pub(super) fn without_phantoms(&self, axis: usize) -> Slices {
+        if !self.is_bordering {
+            return [u64::MAX; SIDE as usize];
+        }
+        in_brick(|along| {
+            let Range { start, end } = self.grid.voxels(along);
+            bits_of(self.first(along), start..if along == axis { end - 1 } else { end })
+        })
+    }
+
+    /// The coordinate of the brick's first voxels.
+    #[inline]
+    pub(super) fn first(&self, axis: usize) -> u32 {
+        self.origin[axis].wrapping_add(1)
     }
 
     /// The voxel that holds a place.
@@ -159,20 +175,16 @@ impl<'a, B: Voxels> Halo<'a, B> {
         (self.grid.leaf(brick, p), brick.voxels.offset(index_of(p)))
     }
 
-    /// How far the values at a voxel of the brick and the next one along an axis are above the isovalue;
-    /// there must be one.
+    /// The voxels of the brick.
     #[inline]
-    pub(super) fn offsets_along<const AXIS: usize>(&self, index: usize) -> [f32; 2] {
-        let step = 1 << (3 * AXIS);
-        let own = &self.grid.bricks[self.number()].voxels;
-        let upper = match index >> (3 * AXIS) & 7 {
-            7 => {
-                let next = self.numbers[MIDDLE + STEPS[AXIS]];
-                self.grid.bricks[next as usize].voxels.offset(index - 7 * step)
-            }
-            _ => own.offset(index + step),
-        };
-        [own.offset(index), upper]
+    pub(super) fn voxels(&self) -> &'a B {
+        &self.grid.bricks[self.number()].voxels
+    }
+
+    /// Those of the next brick along an axis; there must be one.
+    #[inline]
+    pub(super) fn voxels_after<const AXIS: usize>(&self) -> &'a B {
+        &self.grid.bricks[self.numbers[MIDDLE + STEPS[AXIS]] as usize].voxels
     }
 
     /// The dual edge between the voxels at a place and the next one along `axis`.
@@ -225,6 +237,21 @@ impl<'a, B: Voxels> Halo<'a, B> {
     pub(super) fn number(&self) -> usize {
         self.numbers[MIDDLE] as usize
     }
+}
+
+/// The voxels of a brick of which something is true along each axis.
+#[inline]
+fn in_brick(bits: impl Fn(usize) -> u64) -> Slices {
+    let (xs, ys, zs) = (bits(0), bits(1), bits(2));
+    let slice = (0..8).fold(0, |slice, y| slice | (xs * (ys >> y & 1)) << (8 * y));
+    array::from_fn(|z| slice * (zs >> z & 1))
+}
+
+/// Which of the eight coordinates from `first` on are in a range.
+#[inline]
+fn bits_of(first: u32, range: Range<u32>) -> u64 {
+    let [start, end] = [range.start, range.end].map(|i| i.saturating_sub(first).min(SIDE));
+    (1 << end) - (1 << start)
 }
 
 /// The number in its brick of the voxel at a place.

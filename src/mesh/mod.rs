@@ -28,9 +28,11 @@ mod normals;
 mod numbers;
 mod quadric;
 mod repair;
+mod runs;
 #[cfg(test)]
 mod tests;
 mod uniform;
+mod values;
 
 pub use check::{Health, Shape};
 use std::hash::Hasher;

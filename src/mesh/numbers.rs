@@ -27,7 +27,13 @@ impl Default for Numbers {
 }
 
 impl Numbers {
-    /// Looks up all that cells of a brick may ask for.
+    /// Sets the number of the vertex on the edge that leaves a voxel of the brick along an axis.
+    #[inline]
+    pub(super) fn set<const AXIS: usize>(&mut self, [x, y, z]: [usize; 3], number: u32) {
+        self.0[AXIS * OF_AXIS + x + CELLS * (y + CELLS * z)] = number;
+    }
+
+    /// Looks up all that cells of a brick may ask for, but for what is [set](Self::set).
     pub(super) fn fill<B: Voxels>(
         &mut self,
         edges: &Edges<'_, B>,
@@ -47,10 +53,10 @@ impl Numbers {
             let first = edges.firsts[number as usize];
             for axis in 0..3 {
                 // Edges that leave the layers behind are no cell's.
-                if step[axis] == 0 {
+                if k > 0 && step[axis] == 0 {
                     self.take(cuts, first, axis, step);
                 }
-                if halo.has_coarse {
+                if !cuts.downwards().is_empty() {
                     self.take(cuts, first, axis + 3, step);
                 }
             }
