@@ -28,9 +28,11 @@ mod normals;
 mod numbers;
 mod quadric;
 mod repair;
+mod tapes;
 #[cfg(test)]
 mod tests;
 mod uniform;
+mod values;
 
 pub use check::{Health, Shape};
 use std::hash::Hasher;
@@ -38,7 +40,7 @@ use std::hash::Hasher;
 use siphasher::sip128::{Hasher128, SipHasher13};
 
 pub use extract::{Crossing, Extraction, LEAST_PART, extract};
-pub use formula::{FormulaSettings, VertexPlace, of_formula};
+pub use formula::{FormulaSettings, VertexPlace, of_formula, of_open_voxels};
 pub use grid::{Border, Brick, Grid, Leaf, SIDE, Stored, VOXELS, Voxels, offset};
 pub(crate) use grid::{Slices, byte_bits, index_of, slices};
 pub use live::LiveMesh;

@@ -20,6 +20,7 @@ use super::{
     corners::Corners,
     node::Family,
     normals::NormalFinder,
+    open::OpenBrick,
     shortened::ShortenedTapes,
     signs::{BLOCK_LEVELS, CornerSigns},
 };
@@ -143,6 +144,8 @@ pub(super) struct Search<S: Simd, L: Lanes<Token = S>, const G: usize> {
     pub(super) exact: ExactLook<S>,
     pub(super) normal_finder: NormalFinder<S>,
     tapes: ShortenedTapes,
+    /// Where no more than open voxels is asked for, those found so far.
+    pub(super) open: Option<Vec<OpenBrick>>,
     pub(super) masks: Vec<LevelMasks>,
     pub(super) candidates: Vec<u32>,
     pub(super) effort: Effort,
@@ -174,6 +177,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
             normal_finder: NormalFinder::new(simd, lattice.clone()),
             lattice,
             tapes: ShortenedTapes::default(),
+            open: None,
             masks: vec![LevelMasks::default(); depth as usize],
             candidates: Vec::new(),
             effort: Effort::new(depth),
@@ -240,7 +244,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
     }
 
     /// Searches nodes above the blocks.
-    fn search(&mut self, run: Run, level: u32) {
+    pub(super) fn search(&mut self, run: Run, level: u32) {
         if level + BLOCK_LEVELS < self.depth {
             for run in self.divide(run, level) {
                 self.search(run, level + 1);
@@ -260,7 +264,12 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
     /// Searches nodes of one block.
     fn search_block(&mut self, run: Run, level: u32) {
         if self.certify && level + BRICK_LEVELS == self.depth {
-            self.search_bricks(&run);
+            if self.open.is_none() {
+                self.search_bricks(&run);
+                return;
+            }
+            let found = self.look_at_bricks(&run);
+            self.open.iter_mut().for_each(|open| open.extend(&found));
             return;
         }
         if level + 1 == self.depth {
