@@ -17,6 +17,9 @@ pub trait Sample: Send {
     /// The gradients of `tape`; not finite where there is none.
     fn gradients(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<DVec3>;
 
+    /// The gradients of `tape`, of length 1; 0 where there is none or it has no direction.
+    fn directions(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<DVec3>;
+
     /// Parts of segments at which `tape` is 0, each found to `precision`; where it is undefined, the part
     /// that was looked at last.
     fn roots(&mut self, tape: &Tape, segments: &[Segment], precision: f64) -> Vec<f64>;
@@ -63,6 +66,15 @@ impl<S: Simd> Sample for Sampler<S> {
             gradients.extend((0..some.len()).map(|k| DVec3::new(x[k], y[k], z[k])));
         }
         gradients
+    }
+
+    fn directions(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<DVec3> {
+        let mut directions = Vec::with_capacity(points.len());
+        for some in points.chunks(POINT_BATCH) {
+            let [x, y, z] = self.gradients.directions(tape, &batch(some));
+            directions.extend((0..some.len()).map(|k| DVec3::new(x[k], y[k], z[k])));
+        }
+        directions
     }
 
     fn roots(&mut self, tape: &Tape, segments: &[Segment], precision: f64) -> Vec<f64> {

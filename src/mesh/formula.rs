@@ -54,7 +54,8 @@ pub fn of_formula(
     settings: &FormulaSettings,
 ) -> Mesh {
     let mut is_inside = |voxel| storage.occupancy(voxel) == Occupancy::Inside;
-    mesh(tape, near_stored(storage), &mut is_inside, lattice, settings)
+    let tapes = Tapes::find(tape, lattice, settings.simd);
+    mesh(&tapes, near_stored(storage), &mut is_inside, lattice, settings)
 }
 
 /// The same mesh from the voxels that bounds leave open, which are found sooner.
@@ -70,19 +71,19 @@ pub fn of_open_voxels(
         let middle = [lattice.voxel_center(voxel)];
         sampler.values(tape, &middle)[0] <= 0.0 && sampler.are_in_region(tape, &middle)[0]
     };
-    mesh(tape, near_open(&open.bricks), &mut is_inside, lattice, settings)
+    let tapes = Tapes::new(tape, lattice, open.tapes.iter().cloned());
+    mesh(&tapes, near_open(&open.bricks), &mut is_inside, lattice, settings)
 }
 
 /// Makes the mesh from values in the voxels `near` the surface; `is_inside` tells of others.
 fn mesh(
-    tape: &Tape,
+    tapes: &Tapes<'_>,
     near: Voxels,
     is_inside: &mut dyn FnMut([u32; 3]) -> bool,
     lattice: &Lattice,
     settings: &FormulaSettings,
 ) -> Mesh {
-    let tapes = Tapes::new(tape, lattice, settings.simd);
-    let grid = grid(&tapes, near, is_inside, lattice, settings);
+    let grid = grid(tapes, near, is_inside, lattice, settings);
     let Extraction { vertices: crossings, triangles } = extract(&grid, |crossing| *crossing);
     drop(grid);
     let (first, edges) = (lattice.bounds().min, lattice.voxel_size());
@@ -101,17 +102,17 @@ fn mesh(
                     VertexPlace::Polished => polished(&some, tape, &to_scene, &mut **sampler),
                     VertexPlace::Linear => some.iter().map(|c| to_scene(c.point())).collect(),
                 };
-                let gradients = sampler.gradients(tape, &points);
-                for (((i, crossing), point), gradient) in
-                    members.into_iter().zip(&some).zip(points).zip(gradients)
+                let directions = sampler.directions(tape, &points);
+                for (((i, crossing), point), direction) in
+                    members.into_iter().zip(&some).zip(points).zip(directions)
                 {
                     positions[i] = point.as_vec3().to_array();
-                    normals[i] = normal(crossing, gradient).as_vec3().to_array();
+                    normals[i] = normal(crossing, direction).as_vec3().to_array();
                 }
             }
         },
     );
-    cut_to_region(&mut mesh, tape, &mut *sampler(settings.simd));
+    cut_to_region(&mut mesh, tapes.whole, &mut *sampler(settings.simd));
     mesh.drop_unused();
     mesh
 }
@@ -150,11 +151,9 @@ fn polished(
 }
 
 /// Outwards, of length 1; where the gradient has no direction, along the edge.
-fn normal(crossing: &Crossing, gradient: DVec3) -> DVec3 {
-    let largest = gradient.abs().max_element();
-    let has_direction = gradient.is_finite() && largest > f64::MIN_POSITIVE && !crossing.is_cap;
-    match has_direction {
-        true => (gradient / largest).normalize(),
-        false => crossing.outwards().normalize_or(DVec3::Z),
+fn normal(crossing: &Crossing, direction: DVec3) -> DVec3 {
+    match direction == DVec3::ZERO || crossing.is_cap {
+        true => crossing.outwards().normalize_or(DVec3::Z),
+        false => direction,
     }
 }

@@ -6,7 +6,7 @@
 //! may be undefined or jump, or a clip's region ends, voxels are told apart as [`super::voxelize`]
 //! does.
 
-use std::sync::Arc;
+use std::{ops::RangeInclusive, sync::Arc};
 
 use fearless_simd::{Simd, f32x16, f64x8};
 
@@ -16,6 +16,7 @@ use super::{
     bricks::OpenVoxel,
     corners::Corners,
     frontier_level,
+    on_demand::Octant,
     schedule::{self, Watch},
     search::{Effort, Run, Search},
 };
@@ -51,11 +52,16 @@ impl OpenBrick {
     }
 }
 
+/// Levels of the octants of which the tapes are kept.
+const LEVELS_WITH_TAPES: RangeInclusive<u32> = 4..=5;
+
 /// What was found, and what it took.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct OpenVoxels {
     /// Bricks with open voxels, in Morton order.
     pub bricks: Vec<OpenBrick>,
+    /// If F has choices, what it is in octants around bricks, which are of 16³ and 32³ voxels.
+    pub tapes: Vec<Octant>,
     /// What it took.
     pub effort: Effort,
 }
@@ -75,7 +81,7 @@ pub fn open_voxels(
     if lattice.depth() < BRICK_LEVELS {
         let Brick { first, present, .. } = Brick::new([0; 3], lattice.n_voxels());
         let bricks = vec![OpenBrick { first, voxels: present }];
-        return Ok(OpenVoxels { bricks, effort: Effort::default() });
+        return Ok(OpenVoxels { bricks, tapes: Vec::new(), effort: Effort::default() });
     }
     settings.simd.run(Task { tape: expr.tape(), lattice, settings, progress })
 }
@@ -106,34 +112,37 @@ impl Task<'_> {
         let frontier = frontier_level(lattice.depth());
         let watch = Watch::new(progress, settings.max_voxels);
         let find = |search: &mut Search<S, L, G>, run| {
-            let (bricks, effort) = search.open_bricks(run, frontier);
-            let n_voxels = bricks.iter().map(|brick| u64::from(brick.voxels.count_ones())).sum();
-            watch.add(n_voxels)?;
-            Ok((bricks, effort))
+            let found = search.open_voxels(run, frontier);
+            let n_voxels = |brick: &OpenBrick| u64::from(brick.voxels.count_ones());
+            watch.add(found.bricks.iter().map(n_voxels).sum())?;
+            Ok(found)
         };
+        let has_choices = tape.n_choices() > 0;
         let root = Run::root(Arc::new(tape));
         let (mut trunk, found) = schedule::steal(new_search, root, frontier, &watch, find)?;
-        let mut effort = trunk.take_effort();
-        let mut bricks = Vec::new();
-        for (mut some, of_subtree) in found {
-            bricks.append(&mut some);
-            effort.add(&of_subtree);
+        let mut all = OpenVoxels { effort: trunk.take_effort(), ..OpenVoxels::default() };
+        for mut some in found {
+            all.bricks.append(&mut some.bricks);
+            if has_choices {
+                all.tapes.append(&mut some.tapes);
+            }
+            all.effort.add(&some.effort);
         }
-        Ok(OpenVoxels { bricks, effort })
+        Ok(all)
     }
 }
 
 impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
-    /// The open voxels below the single node of `run`, on `level`, and what that took.
-    fn open_bricks(&mut self, run: Run, level: u32) -> (Vec<OpenBrick>, Effort) {
-        self.open = Some(Vec::new());
+    /// The open voxels below the single node of `run`, on `level`.
+    fn open_voxels(&mut self, run: Run, level: u32) -> OpenVoxels {
+        self.open = Some(OpenVoxels::default());
         self.search(run, level);
         self.forget();
-        (self.open.take().unwrap_or_default(), self.take_effort())
+        OpenVoxels { effort: self.take_effort(), ..self.open.take().unwrap_or_default() }
     }
 
-    /// The open voxels of the bricks of a run.
-    pub(super) fn look_at_bricks(&mut self, run: &Run) -> Vec<OpenBrick> {
+    /// Finds the open voxels of the bricks of a run.
+    pub(super) fn open_bricks(&mut self, run: &Run) {
         let tape = &*run.tape;
         let mut bricks = self.bricks_of(run);
         self.bound(tape, &mut bricks);
@@ -147,8 +156,23 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
         irregular.retain(|voxel| bricks[voxel.brick].regular >> voxel.m & 1 == 0);
         self.look_closer(tape, &mut bricks, &[], &irregular);
         let is_open = |brick: &&Brick| brick.mixed != 0;
-        let open = bricks.iter().filter(is_open);
-        open.map(|brick| OpenBrick { first: brick.first, voxels: brick.mixed }).collect()
+        let open = bricks
+            .iter()
+            .filter(is_open)
+            .map(|brick| OpenBrick { first: brick.first, voxels: brick.mixed });
+        if let Some(found) = &mut self.open {
+            found.bricks.extend(open);
+        }
+    }
+
+    /// Keeps the tape of the nodes of a run on `level`.
+    pub(super) fn keep_tape(&mut self, run: &Run, level: u32) {
+        let Some(found) = &mut self.open else { return };
+        if LEVELS_WITH_TAPES.contains(&(self.depth - level)) {
+            let octant =
+                |ijk: [u32; 3]| Octant { level, ijk: ijk.map(u64::from), tape: run.tape.clone() };
+            found.tapes.extend(run.places().map(octant));
+        }
     }
 }
 
