@@ -113,7 +113,7 @@ fn open_voxels_give_the_same_meshes() {
     let mut scenes: Vec<(&str, Scene)> =
         names.split_whitespace().map(|name| (name, load(name))).collect();
     let domain = "[domain]\nmin = [-1.5, -1.4, -1.3]\nmax = [1.2, 0.7, 1.1]\n";
-    for f in ["1/x = y + z/3", "sqrt(x) = y^2 + z^2", "log(x + y) = z", "floor(3*x) = z", "x = 0"] {
+    for f in ["1/x = y + z/3", "sqrt(x) = y^2 + z^2", "ln(x + y) = z", "floor(3*x) = z", "x = 0"] {
         scenes.push((f, parse(f, domain)));
     }
     scenes.push((

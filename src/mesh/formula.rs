@@ -54,8 +54,7 @@ pub fn of_formula(
     settings: &FormulaSettings,
 ) -> Mesh {
     let mut is_inside = |voxel| storage.occupancy(voxel) == Occupancy::Inside;
-    let tapes = Tapes::find(tape, lattice, settings.simd);
-    mesh(&tapes, near_stored(storage), &mut is_inside, lattice, settings)
+    mesh(tape, near_stored(storage), &mut is_inside, lattice, settings)
 }
 
 /// The same mesh from the voxels that bounds leave open, which are found sooner.
@@ -71,19 +70,20 @@ pub fn of_open_voxels(
         let middle = [lattice.voxel_center(voxel)];
         sampler.values(tape, &middle)[0] <= 0.0 && sampler.are_in_region(tape, &middle)[0]
     };
-    let tapes = Tapes::new(tape, lattice, open.tapes.iter().cloned());
-    mesh(&tapes, near_open(&open.bricks), &mut is_inside, lattice, settings)
+    mesh(tape, near_open(&open.bricks), &mut is_inside, lattice, settings)
 }
 
 /// Makes the mesh from values in the voxels `near` the surface; `is_inside` tells of others.
 fn mesh(
-    tapes: &Tapes<'_>,
+    tape: &Tape,
     near: Voxels,
     is_inside: &mut dyn FnMut([u32; 3]) -> bool,
     lattice: &Lattice,
     settings: &FormulaSettings,
 ) -> Mesh {
-    let grid = grid(tapes, near, is_inside, lattice, settings);
+    // The same for the same mesh: where operands tie, which gradient counts is a matter of the tape.
+    let tapes = Tapes::new(tape, lattice, settings.simd);
+    let grid = grid(&tapes, near, is_inside, lattice, settings);
     let Extraction { vertices: crossings, triangles } = extract(&grid, |crossing| *crossing);
     drop(grid);
     let (first, edges) = (lattice.bounds().min, lattice.voxel_size());
@@ -112,7 +112,7 @@ fn mesh(
             }
         },
     );
-    cut_to_region(&mut mesh, tapes.whole, &mut *sampler(settings.simd));
+    cut_to_region(&mut mesh, tape, &mut *sampler(settings.simd));
     mesh.drop_unused();
     mesh
 }

@@ -6,7 +6,7 @@
 //! may be undefined or jump, or a clip's region ends, voxels are told apart as [`super::voxelize`]
 //! does.
 
-use std::{ops::RangeInclusive, sync::Arc};
+use std::sync::Arc;
 
 use fearless_simd::{Simd, f32x16, f64x8};
 
@@ -16,7 +16,6 @@ use super::{
     bricks::OpenVoxel,
     corners::Corners,
     frontier_level,
-    on_demand::Octant,
     schedule::{self, Watch},
     search::{Effort, Run, Search},
 };
@@ -52,16 +51,11 @@ impl OpenBrick {
     }
 }
 
-/// Levels of the octants of which the tapes are kept.
-const LEVELS_WITH_TAPES: RangeInclusive<u32> = 4..=5;
-
 /// What was found, and what it took.
 #[derive(Clone, Debug, Default)]
 pub struct OpenVoxels {
     /// Bricks with open voxels, in Morton order.
     pub bricks: Vec<OpenBrick>,
-    /// If F has choices, what it is in octants around bricks, which are of 16³ and 32³ voxels.
-    pub tapes: Vec<Octant>,
     /// What it took.
     pub effort: Effort,
 }
@@ -81,7 +75,7 @@ pub fn open_voxels(
     if lattice.depth() < BRICK_LEVELS {
         let Brick { first, present, .. } = Brick::new([0; 3], lattice.n_voxels());
         let bricks = vec![OpenBrick { first, voxels: present }];
-        return Ok(OpenVoxels { bricks, tapes: Vec::new(), effort: Effort::default() });
+        return Ok(OpenVoxels { bricks, effort: Effort::default() });
     }
     settings.simd.run(Task { tape: expr.tape(), lattice, settings, progress })
 }
@@ -117,15 +111,11 @@ impl Task<'_> {
             watch.add(found.bricks.iter().map(n_voxels).sum())?;
             Ok(found)
         };
-        let has_choices = tape.n_choices() > 0;
         let root = Run::root(Arc::new(tape));
         let (mut trunk, found) = schedule::steal(new_search, root, frontier, &watch, find)?;
         let mut all = OpenVoxels { effort: trunk.take_effort(), ..OpenVoxels::default() };
         for mut some in found {
             all.bricks.append(&mut some.bricks);
-            if has_choices {
-                all.tapes.append(&mut some.tapes);
-            }
             all.effort.add(&some.effort);
         }
         Ok(all)
@@ -162,16 +152,6 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
             .map(|brick| OpenBrick { first: brick.first, voxels: brick.mixed });
         if let Some(found) = &mut self.open {
             found.bricks.extend(open);
-        }
-    }
-
-    /// Keeps the tape of the nodes of a run on `level`.
-    pub(super) fn keep_tape(&mut self, run: &Run, level: u32) {
-        let Some(found) = &mut self.open else { return };
-        if LEVELS_WITH_TAPES.contains(&(self.depth - level)) {
-            let octant =
-                |ijk: [u32; 3]| Octant { level, ijk: ijk.map(u64::from), tape: run.tape.clone() };
-            found.tapes.extend(run.places().map(octant));
         }
     }
 }

@@ -265,7 +265,6 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
 
     /// Searches nodes of one block.
     fn search_block(&mut self, run: Run, level: u32) {
-        self.keep_tape(&run, level);
         if self.certify && level + BRICK_LEVELS == self.depth {
             match self.open {
                 Some(_) => self.open_bricks(&run),
