@@ -8,14 +8,14 @@ use std::{env, path::Path};
 use serde_json::{Value, json};
 use zeroset::{
     math::{Aabb, Lattice, SimdLevel},
-    mesh::{Border, FormulaSettings, Mesh, VertexPlace, of_formula},
+    mesh::{Border, FormulaSettings, Mesh, VertexPlace, of_open_voxels},
     output::{
         meshes::{MeshFormat, MeshOptions, write_meshes},
         write_file,
     },
     progress::Unwatched,
     scene,
-    voxelize::{self, voxelize},
+    voxelize::{self, open_voxels},
 };
 
 /// Half the edge of the domain, and voxels along it.
@@ -64,9 +64,9 @@ fn write_scene(folder: &Path, name: &str, text: &str) -> Value {
         simd: SimdLevel::detect(),
     };
     let mesh = |surface: &scene::Surface| {
-        let found =
-            voxelize(&surface.expr, &lattice, &voxelize::Settings::default(), &Unwatched).unwrap();
-        let mesh = of_formula(&surface.expr.tape(), &found.octree, &lattice, &settings);
+        let find = voxelize::Settings::default();
+        let open = open_voxels(&surface.expr, &lattice, &find, &Unwatched).unwrap();
+        let mesh = of_open_voxels(&surface.expr.tape(), &open, &lattice, &settings);
         Mesh { name: surface.name.clone(), color: surface.material.color, ..mesh }
     };
     let meshes: Vec<Mesh> = scene.surfaces.iter().map(mesh).collect();

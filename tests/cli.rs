@@ -338,7 +338,10 @@ fn solids_that_do_not_fit_are_not_begun() {
     let (output, directory) = render(&[jar, "--max-memory", "100K"]);
     assert_eq!(output.status.code(), Some(2));
     let said = stderr(&output);
-    assert!(said.contains("file = \"volumes/jar.nrrd\"") && said.contains("--max-memory"), "{said}");
+    assert!(
+        said.contains("file = \"volumes/jar.nrrd\"") && said.contains("--max-memory"),
+        "{said}"
+    );
     assert!(!directory.path().join("out").exists());
     let bumps = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/bumps.toml");
     let (output, directory) = render(&[bumps, "--max-memory", "150M"]);

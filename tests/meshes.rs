@@ -5,16 +5,17 @@
 use std::{env, f64::consts::PI, fmt::Write as _, fs, path::Path};
 
 use zeroset::{
+    expr::Expr,
     hrb::Tolerance,
     isosurface::isosurface,
     math::{Lattice, SimdLevel},
-    mesh::{Border, FormulaSettings, Health, Mesh, Shape, VertexPlace, of_formula},
+    mesh::{Border, FormulaSettings, Health, Mesh, Shape, VertexPlace, of_formula, of_open_voxels},
     output::meshes::{MeshFormat, MeshOptions, write_meshes},
     pipeline,
     progress::Unwatched,
-    scene,
+    scene::{self, Scene},
     volume::{Samples, Volume},
-    voxelize::{Settings, voxelize},
+    voxelize::{Settings, open_voxels, voxelize},
 };
 
 /// The mesh of the first surface of a scene.
@@ -94,6 +95,58 @@ fn clips_are_sharp() {
     // A cap of height h has the area 2 pi h.
     let height = 1.0 + 0.4 / 5.09_f64.sqrt();
     assert!((mesh.shape().area / (2.0 * PI * height) - 1.0).abs() < 2e-3, "{:?}", mesh.shape());
+}
+
+/// Certified voxels tell more than a mesh needs: those that bounds leave open give the same one, where F
+/// is smooth, has kinks, jumps, or ends, and where a clip or the domain cuts it.
+#[test]
+fn open_voxels_give_the_same_meshes() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let load =
+        |name: &str| scene::load(&root.join("configs").join(name).with_extension("toml")).unwrap();
+    let parse = |f: &str, more: &str| {
+        let text = format!("version = 1\n[[surface]]\nf = '{f}'\n{more}");
+        scene::parse(Path::new("open.toml"), &text).unwrap()
+    };
+    let names = "scene1 scene2 scene3 tanglecube drilled_cube solids gyroid helicoid catenoid pseudosphere \
+        klein caffeine heart";
+    let mut scenes: Vec<(&str, Scene)> =
+        names.split_whitespace().map(|name| (name, load(name))).collect();
+    let domain = "[domain]\nmin = [-1.5, -1.4, -1.3]\nmax = [1.2, 0.7, 1.1]\n";
+    for f in ["1/x = y + z/3", "sqrt(x) = y^2 + z^2", "ln(x + y) = z", "floor(3*x) = z", "x = 0"] {
+        scenes.push((f, parse(f, domain)));
+    }
+    scenes.push((
+        "clip",
+        parse("x^2 + y^2 + z^2 = 1", &format!("clip = 'z - x/2 <= 0.1'\n{domain}")),
+    ));
+    for (name, scene) in &scenes {
+        for resolution in [3, 20, 70] {
+            let lattice = pipeline::lattice(scene, Some(resolution));
+            for border in [Border::Open, Border::Capped] {
+                for surface in &scene.surfaces {
+                    compare(name, &surface.expr, &lattice, border);
+                }
+            }
+        }
+    }
+}
+
+/// Compares the mesh of certified voxels with those of open ones, found by every instruction set.
+fn compare(name: &str, expr: &Expr, lattice: &Lattice, border: Border) {
+    let (tape, vertex) = (expr.tape(), VertexPlace::Polished);
+    let like = |mesh: &Mesh| (mesh.triangles.len(), mesh.shape().area, mesh.digest());
+    let found = voxelize(expr, lattice, &Settings::default(), &Unwatched).unwrap();
+    let settings = FormulaSettings { border, vertex, simd: SimdLevel::detect() };
+    let certified = like(&of_formula(&tape, &found.octree, lattice, &settings));
+    for simd in SimdLevel::available() {
+        let find = Settings { simd, ..Settings::default() };
+        let found = open_voxels(expr, lattice, &find, &Unwatched).unwrap();
+        let settings = FormulaSettings { simd, ..settings };
+        let open = like(&of_open_voxels(&tape, &found, lattice, &settings));
+        let size = lattice.n_voxels();
+        assert_eq!(certified, open, "{name} at {size:?}, {border:?}, {}", simd.name());
+    }
 }
 
 /// What files of `configs/` become as meshes, as far as a few lines tell: `golden/mesh/NAME.txt`, which

@@ -4,11 +4,13 @@
 mod boxes;
 mod machine;
 mod points;
+mod roots;
 mod sampler;
 mod slopes;
 
 pub use boxes::{BATCH, BoxEvaluator, Boxes, Ranges, Verdict};
 pub use machine::Machine;
 pub use points::{GradientEvaluator, POINT_BATCH, PointEvaluator, Points, batch};
+pub use roots::Segment;
 pub use sampler::{Sample, sampler};
 pub use slopes::{SlopeEvaluator, SlopeVerdict};

@@ -113,4 +113,43 @@ impl<S: Simd> GradientEvaluator<S> {
             },
         )
     }
+
+    /// The same of length 1, or 0 where there is none or it has no direction.
+    pub fn directions(&mut self, tape: &Tape, points: &Points) -> Points {
+        let mut all = self.eval(tape, points);
+        let Self { simd, .. } = self;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for k in (0..POINT_BATCH).step_by(8) {
+                    let mut gradient = [f64x8::splat(*simd, 0.0); 3];
+                    for axis in 0..3 {
+                        gradient[axis] = f64x8::load(*simd, &all[axis][k..]);
+                    }
+                    let direction = direction(gradient);
+                    for axis in 0..3 {
+                        direction[axis].store(&mut all[axis][k..]);
+                    }
+                }
+            },
+        );
+        all
+    }
+}
+
+/// A vector of length 1, without overflow on the way, or 0.
+#[inline(always)]
+fn direction<L: Lanes>([x, y, z]: [L; 3]) -> [L; 3] {
+    let (zero, one) = (x.same(0.0), x.same(1.0));
+    let largest = x.abs().max(y.abs()).max(z.abs());
+    let most = x.same(f64::MAX);
+    let is_finite = x.abs().le(most) & y.abs().le(most) & z.abs().le(most);
+    let has_direction = is_finite & x.same(f64::MIN_POSITIVE).lt(largest);
+    let (x, y, z) = (x / largest, y / largest, z / largest);
+    let scale = one / (x * x + y * y + z * z).sqrt();
+    [
+        L::pick(has_direction, x * scale, zero),
+        L::pick(has_direction, y * scale, zero),
+        L::pick(has_direction, z * scale, zero),
+    ]
 }

@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 use glam::DVec3;
 
-use super::{GradientEvaluator, POINT_BATCH, PointEvaluator, batch};
+use super::{GradientEvaluator, POINT_BATCH, PointEvaluator, Segment, batch, roots::RootFinder};
 use crate::{
     expr::Tape,
     math::{SimdLevel, SimdTask},
@@ -16,6 +16,13 @@ pub trait Sample: Send {
 
     /// The gradients of `tape`; not finite where there is none.
     fn gradients(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<DVec3>;
+
+    /// The gradients of `tape`, of length 1; 0 where there is none or it has no direction.
+    fn directions(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<DVec3>;
+
+    /// Parts of segments at which `tape` is 0, each found to `precision`; where it is undefined, the part
+    /// that was looked at last.
+    fn roots(&mut self, tape: &Tape, segments: &[Segment], precision: f64) -> Vec<f64>;
 
     /// Whether each point lies in the tape's region; all do if it has none.
     fn are_in_region(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<bool>;
@@ -30,15 +37,17 @@ pub fn sampler(simd: SimdLevel) -> Box<dyn Sample> {
 
         fn run<S: Simd>(self, simd: S) -> Box<dyn Sample> {
             let (values, gradients) = (PointEvaluator::new(simd), GradientEvaluator::new(simd));
-            Box::new(Sampler { values, gradients })
+            Box::new(Sampler { simd, values, gradients, roots: RootFinder::default() })
         }
     }
     simd.run(New)
 }
 
 struct Sampler<S: Simd> {
+    simd: S,
     values: PointEvaluator<S>,
     gradients: GradientEvaluator<S>,
+    roots: RootFinder,
 }
 
 impl<S: Simd> Sample for Sampler<S> {
@@ -57,6 +66,19 @@ impl<S: Simd> Sample for Sampler<S> {
             gradients.extend((0..some.len()).map(|k| DVec3::new(x[k], y[k], z[k])));
         }
         gradients
+    }
+
+    fn directions(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<DVec3> {
+        let mut directions = Vec::with_capacity(points.len());
+        for some in points.chunks(POINT_BATCH) {
+            let [x, y, z] = self.gradients.directions(tape, &batch(some));
+            directions.extend((0..some.len()).map(|k| DVec3::new(x[k], y[k], z[k])));
+        }
+        directions
+    }
+
+    fn roots(&mut self, tape: &Tape, segments: &[Segment], precision: f64) -> Vec<f64> {
+        self.roots.find(self.simd, &mut self.values, tape, segments, precision)
     }
 
     fn are_in_region(&mut self, tape: &Tape, points: &[DVec3]) -> Vec<bool> {

@@ -23,12 +23,14 @@ mod formula;
 mod grid;
 mod halo;
 mod live;
+mod middles;
 mod near;
 mod normals;
 mod numbers;
 mod quadric;
 mod repair;
 mod runs;
+mod tapes;
 #[cfg(test)]
 mod tests;
 mod uniform;
@@ -40,7 +42,7 @@ use std::hash::Hasher;
 use siphasher::sip128::{Hasher128, SipHasher13};
 
 pub use extract::{Crossing, Extraction, LEAST_PART, extract};
-pub use formula::{FormulaSettings, VertexPlace, of_formula};
+pub use formula::{FormulaSettings, VertexPlace, of_formula, of_open_voxels};
 pub use grid::{Border, Brick, Grid, Leaf, SIDE, Stored, VOXELS, Voxels, offset};
 pub(crate) use grid::{Slices, byte_bits, index_of, slices};
 pub use live::LiveMesh;

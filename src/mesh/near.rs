@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 use super::SIDE;
-use crate::octree::Storage;
+use crate::{math::morton_encode, octree::Storage, voxelize::OpenBrick};
 
 /// Bit x + 8y of slice z of a brick.
 pub(super) type Bits = [u64; SIDE as usize];
@@ -12,54 +12,93 @@ pub(super) type Bits = [u64; SIDE as usize];
 /// All voxels of a brick.
 pub(super) const ALL: Bits = [u64::MAX; SIDE as usize];
 
-/// Voxels by their bricks' places, which count from a brick before the first one.
-pub(super) type Voxels = FxHashMap<[u32; 3], Bits>;
+/// Voxels by the Morton codes of their bricks' places, which count from a brick before the first one.
+pub(super) type Voxels = FxHashMap<u64, Bits>;
 
 /// The stored voxels and those around each.
-pub(super) fn near(storage: &dyn Storage) -> Voxels {
-    let parts: Vec<Voxels> = storage
-        .parts()
-        .into_par_iter()
-        .map(|part| {
-            let mut near = Voxels::default();
-            let (mut place, mut stored) = ([0; 3], Bits::default());
-            storage.visit(part, &mut |voxel| {
-                let own = voxel.ijk.map(|i| i / SIDE + 1);
-                if own != place {
-                    add_around(&mut near, place, &stored);
-                    (place, stored) = (own, Bits::default());
-                }
-                let [x, y, z] = voxel.ijk.map(|i| i % SIDE);
-                stored[z as usize] |= 1 << (x + SIDE * y);
-            });
-            add_around(&mut near, place, &stored);
-            near
-        })
-        .collect();
-    let mut all = Voxels::default();
-    for (place, bits) in parts.into_iter().flatten() {
-        add(&mut all, place, &bits);
+pub(super) fn near_stored(storage: &dyn Storage) -> Voxels {
+    let of_part = |part| {
+        let mut around = Around::default();
+        storage.visit(part, &mut |voxel| {
+            let [x, y, z] = voxel.ijk.map(|i| i % SIDE);
+            around.brick(voxel.ijk)[z as usize] |= 1 << (x + SIDE * y);
+        });
+        around.finish()
+    };
+    joined(storage.parts().into_par_iter().map(of_part).collect())
+}
+
+/// The open voxels and those around each.
+pub(super) fn near_open(bricks: &[OpenBrick]) -> Voxels {
+    let of_some = |some: &[OpenBrick]| {
+        let mut around = Around::default();
+        for brick in some {
+            let [x, y, first] = brick.first.map(|i| i % SIDE);
+            let slices = &mut around.brick(brick.first)[first as usize..];
+            for (z, slice) in (0..OpenBrick::EDGE).zip(slices) {
+                *slice |= brick.slice(z) << (x + SIDE * y);
+            }
+        }
+        around.finish()
+    };
+    joined(bricks.par_chunks(SOME).map(of_some).collect())
+}
+
+/// Bricks of 4³ voxels that a thread takes at a time.
+const SOME: usize = 1 << 12;
+
+fn joined(parts: Vec<Voxels>) -> Voxels {
+    let mut parts = parts.into_iter();
+    let mut all = parts.next().unwrap_or_default();
+    for (code, bits) in parts.flatten() {
+        add(&mut all, code, &bits);
     }
     all
 }
 
-/// Adds the voxels of a brick and those around them, wherever they are.
-fn add_around(all: &mut Voxels, place: [u32; 3], bits: &Bits) {
-    for (dx, in_x) in along_x(bits).iter().zip(-1..).map(|(bits, d)| (d, bits)) {
-        for (dy, in_y) in along_y(in_x).iter().zip(-1..).map(|(bits, d)| (d, bits)) {
-            for (dz, in_z) in along_z(in_y).iter().zip(-1..).map(|(bits, d)| (d, bits)) {
-                if *in_z != Bits::default() {
-                    let [x, y, z] = place;
-                    let steps = [(x, dx), (y, dy), (z, dz)];
-                    add(all, steps.map(|(i, d): (u32, i32)| i.wrapping_add_signed(d)), in_z);
+/// Takes voxels, and adds those around them brick by brick.
+#[derive(Default)]
+struct Around {
+    all: Voxels,
+    /// A brick that is not added yet.
+    place: [u32; 3],
+    bits: Bits,
+}
+
+impl Around {
+    /// The bits of the brick that holds a voxel.
+    fn brick(&mut self, voxel: [u32; 3]) -> &mut Bits {
+        let place = voxel.map(|i| i / SIDE + 1);
+        if place != self.place {
+            self.add_brick();
+            (self.place, self.bits) = (place, Bits::default());
+        }
+        &mut self.bits
+    }
+
+    fn add_brick(&mut self) {
+        for (dx, in_x) in along_x(&self.bits).iter().zip(-1..).map(|(bits, d)| (d, bits)) {
+            for (dy, in_y) in along_y(in_x).iter().zip(-1..).map(|(bits, d)| (d, bits)) {
+                for (dz, in_z) in along_z(in_y).iter().zip(-1..).map(|(bits, d)| (d, bits)) {
+                    if *in_z != Bits::default() {
+                        let [x, y, z] = self.place;
+                        let steps = [(x, dx), (y, dy), (z, dz)];
+                        let place = steps.map(|(i, d): (u32, i32)| i.wrapping_add_signed(d));
+                        add(&mut self.all, morton_encode(place), in_z);
+                    }
                 }
             }
         }
     }
+
+    fn finish(mut self) -> Voxels {
+        self.add_brick();
+        self.all
+    }
 }
 
-fn add(all: &mut Voxels, place: [u32; 3], bits: &Bits) {
-    let of_brick = all.entry(place).or_default();
+fn add(all: &mut Voxels, code: u64, bits: &Bits) {
+    let of_brick = all.entry(code).or_default();
     (0..SIDE as usize).for_each(|z| of_brick[z] |= bits[z]);
 }
 
@@ -123,7 +162,8 @@ mod tests {
 
     fn holds(voxels: &Voxels, p: [u32; 3]) -> bool {
         let [x, y, z] = p.map(|i| i % SIDE);
-        let bits = voxels.get(&p.map(|i| i / SIDE)).copied().unwrap_or_default();
+        let code = morton_encode(p.map(|i| i / SIDE));
+        let bits = voxels.get(&code).copied().unwrap_or_default();
         bits[z as usize] >> (x + SIDE * y) & 1 == 1
     }
 
@@ -135,7 +175,7 @@ mod tests {
         ) {
             let mut voxels = Box::new(PointerOctreeBuilder::new(DEPTH));
             ijk.iter().for_each(|&ijk| voxels.store(ijk, OctNormal::from_bits(0), false));
-            let near = near(&*voxels.finish());
+            let near = near_stored(&*voxels.finish());
             let n = (1 << DEPTH) + 2 * SIDE;
             for i in 0..n * n * n {
                 let p = [i % n, i / n % n, i / n / n];

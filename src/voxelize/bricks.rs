@@ -42,18 +42,16 @@ const WORTH_BOUNDS: u32 = 2;
 
 /// Voxel `m` of the brick number `brick`.
 #[derive(Clone, Copy)]
-struct OpenVoxel {
-    brick: usize,
-    m: u32,
+pub(super) struct OpenVoxel {
+    pub(super) brick: usize,
+    pub(super) m: u32,
 }
 
 impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
     /// Finds the voxels of the bricks of a run.
     pub(super) fn search_bricks(&mut self, run: &Run) {
         let tape = &*run.tape;
-        let n_voxels = self.lattice.n_voxels();
-        let firsts = run.places().map(|ijk| ijk.map(|i| i * BRICK_EDGE));
-        let mut bricks: Vec<Brick> = firsts.map(|first| Brick::new(first, n_voxels)).collect();
+        let mut bricks = self.bricks_of(run);
         self.bound(tape, &mut bricks);
         self.test_octants(tape, &mut bricks);
         self.bound_octants(tape, &mut bricks);
@@ -72,8 +70,15 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
         self.keep(tape, &bricks);
     }
 
+    /// The bricks of a run, of which nothing is known yet.
+    pub(super) fn bricks_of(&self, run: &Run) -> Vec<Brick> {
+        let n_voxels = self.lattice.n_voxels();
+        let firsts = run.places().map(|ijk| ijk.map(|i| i * BRICK_EDGE));
+        firsts.map(|first| Brick::new(first, n_voxels)).collect()
+    }
+
     /// What the gradient over each brick tells of it, and its value in the middle.
-    fn bound(&mut self, tape: &Tape, bricks: &mut [Brick]) {
+    pub(super) fn bound(&mut self, tape: &Tape, bricks: &mut [Brick]) {
         for batch in bricks.chunks_mut(BATCH) {
             if !self.records[0].pays() {
                 return;
@@ -98,7 +103,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
 
     /// Tests the octants of bricks of which the bounds told nothing by the values of F over them:
     /// that may tell more than their gradients, and costs less.
-    fn test_octants(&mut self, tape: &Tape, bricks: &mut [Brick]) {
+    pub(super) fn test_octants(&mut self, tape: &Tape, bricks: &mut [Brick]) {
         let mut untold: Vec<(usize, u32)> = Vec::new();
         for (i, brick) in bricks.iter().enumerate() {
             if brick.mixed == brick.present && brick.certified == 0 && !brick.has_trend(0) {
@@ -111,9 +116,11 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
             }
             let verdict = self.values.eval(tape, &self.boxes, batch.len(), false);
             let inside = verdict.inside();
+            let regular = verdict.continuous & verdict.in_region;
             for (lane, &(i, c)) in batch.iter().enumerate() {
                 let brick = &mut bricks[i];
                 let present = of_octant(octant(brick.present, c).into(), c);
+                brick.regular |= present * (regular >> lane & 1);
                 if verdict.empty >> lane & 1 == 1 {
                     brick.mixed &= !present;
                 } else if inside >> lane & 1 == 1 {
@@ -209,7 +216,12 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
     }
 
     /// Tests voxels by the values of F over them.
-    fn test_voxels(&mut self, tape: &Tape, bricks: &mut [Brick], open: &mut Vec<OpenVoxel>) {
+    pub(super) fn test_voxels(
+        &mut self,
+        tape: &Tape,
+        bricks: &mut [Brick],
+        open: &mut Vec<OpenVoxel>,
+    ) {
         for batch in open.chunks(BATCH) {
             for (lane, voxel) in batch.iter().enumerate() {
                 let place = bricks[voxel.brick].voxel(voxel.m);
@@ -321,7 +333,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
     }
 
     /// Looks closer at voxels that are neither certified nor dropped.
-    fn look_closer(
+    pub(super) fn look_closer(
         &mut self,
         tape: &Tape,
         bricks: &mut [Brick],

@@ -66,8 +66,8 @@ impl<'a> Watch<'a> {
         if self.progress.is_cancelled() { Err(Error::Interrupted) } else { Ok(()) }
     }
 
-    fn add(&self, subtree: &Subtree) -> Result<()> {
-        let found = subtree.normals.len() as u64;
+    /// Adds the voxels of a subtree.
+    pub(super) fn add(&self, found: u64) -> Result<()> {
         let found = self.n_voxels.fetch_add(found, Ordering::Relaxed) + found;
         if found > u64::from(self.max_voxels) {
             return Err(Error::Limit(format!(
@@ -88,26 +88,40 @@ pub(super) fn stealing<S: Simd, L: Lanes<Token = S>, const G: usize>(
     frontier: u32,
     watch: &Watch<'_>,
 ) -> Result<Found> {
-    let mut search = new_search();
-    let runs = search.descend(root, frontier);
-    let tasks: Vec<Run> = runs.into_iter().flat_map(Run::into_single_nodes).collect();
-    watch.progress.begin("voxelize", tasks.len() as u64, "subtrees");
-    let subtrees: Result<Vec<Subtree>> = tasks
-        .into_par_iter()
-        .map_init(new_search, |search, run| {
-            watch.check()?;
-            let subtree = search.subtree(run, frontier);
-            watch.add(&subtree)?;
-            Ok(subtree)
-        })
-        .collect();
-    let subtrees = subtrees?;
-    watch.progress.end();
+    let find = |search: &mut Search<S, L, G>, run| {
+        let subtree = search.subtree(run, frontier);
+        watch.add(subtree.normals.len() as u64)?;
+        Ok(subtree)
+    };
+    let (mut search, subtrees) = steal(new_search, root, frontier, watch, find)?;
     let mut effort = search.take_effort();
     subtrees.iter().for_each(|subtree| effort.add(&subtree.effort));
     let mut trunk = search.take_masks();
     trunk.truncate(frontier as usize);
     Ok(Found { trunk, subtrees, effort })
+}
+
+/// Searches the trunk with one thread, and does with every subtree what `find` says with all threads.
+/// Returns the search of the trunk, and what was found in the subtrees in Morton order.
+pub(super) fn steal<S: Simd, L: Lanes<Token = S>, const G: usize, T: Send>(
+    new_search: impl Fn() -> Search<S, L, G> + Send + Sync,
+    root: Run,
+    frontier: u32,
+    watch: &Watch<'_>,
+    find: impl Fn(&mut Search<S, L, G>, Run) -> Result<T> + Send + Sync,
+) -> Result<(Search<S, L, G>, Vec<T>)> {
+    let mut trunk = new_search();
+    let runs = trunk.descend(root, frontier);
+    let tasks: Vec<Run> = runs.into_iter().flat_map(Run::into_single_nodes).collect();
+    watch.progress.begin("voxelize", tasks.len() as u64, "subtrees");
+    let find = |search: &mut Search<S, L, G>, run| {
+        watch.check()?;
+        find(search, run)
+    };
+    let found: Result<Vec<T>> = tasks.into_par_iter().map_init(new_search, find).collect();
+    let found = found?;
+    watch.progress.end();
+    Ok((trunk, found))
 }
 
 /// An octant to work on: a run of a single node.
@@ -266,7 +280,7 @@ fn slave<S: Simd, L: Lanes<Token = S>, const G: usize>(
         watch.check()?;
         if level == frontier {
             let subtree = search.subtree(run, frontier);
-            watch.add(&subtree)?;
+            watch.add(subtree.normals.len() as u64)?;
             findings.subtrees.push((code, subtree));
         } else {
             let children = search.divide(run, level);

@@ -20,6 +20,7 @@ use super::{
     corners::Corners,
     node::Family,
     normals::NormalFinder,
+    open::OpenVoxels,
     shortened::ShortenedTapes,
     signs::{BLOCK_LEVELS, CornerSigns},
 };
@@ -110,6 +111,8 @@ impl Effort {
 /// Nodes this close to the voxels keep the tape they have: their runs would be too short to fill
 /// batches.
 const LEVELS_WITHOUT_SPLIT: u32 = 2;
+/// The same where bricks are looked at only once, which does not pay for tapes of their own.
+const LEVELS_WITHOUT_SPLIT_TO_OPEN: u32 = 3;
 
 /// Fewer nodes than this of one level are cheaper to divide than to look at the gradients of.
 const WORTH_SLOPES: usize = 16;
@@ -143,6 +146,8 @@ pub(super) struct Search<S: Simd, L: Lanes<Token = S>, const G: usize> {
     pub(super) exact: ExactLook<S>,
     pub(super) normal_finder: NormalFinder<S>,
     tapes: ShortenedTapes,
+    /// Where no more than open voxels is asked for, those found so far.
+    pub(super) open: Option<OpenVoxels>,
     pub(super) masks: Vec<LevelMasks>,
     pub(super) candidates: Vec<u32>,
     pub(super) effort: Effort,
@@ -174,6 +179,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
             normal_finder: NormalFinder::new(simd, lattice.clone()),
             lattice,
             tapes: ShortenedTapes::default(),
+            open: None,
             masks: vec![LevelMasks::default(); depth as usize],
             candidates: Vec::new(),
             effort: Effort::new(depth),
@@ -240,7 +246,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
     }
 
     /// Searches nodes above the blocks.
-    fn search(&mut self, run: Run, level: u32) {
+    pub(super) fn search(&mut self, run: Run, level: u32) {
         if level + BLOCK_LEVELS < self.depth {
             for run in self.divide(run, level) {
                 self.search(run, level + 1);
@@ -260,7 +266,10 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
     /// Searches nodes of one block.
     fn search_block(&mut self, run: Run, level: u32) {
         if self.certify && level + BRICK_LEVELS == self.depth {
-            self.search_bricks(&run);
+            match self.open {
+                Some(_) => self.open_bricks(&run),
+                None => self.search_bricks(&run),
+            }
             return;
         }
         if level + 1 == self.depth {
@@ -313,7 +322,11 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
         let Run { nodes, tape } = run;
         let edge = 1 << (self.depth - level - 1);
         let is_voxel = level + 1 == self.depth;
-        let split = tape.n_choices() > 0 && level + LEVELS_WITHOUT_SPLIT < self.depth;
+        let without = match self.open {
+            Some(_) => LEVELS_WITHOUT_SPLIT_TO_OPEN,
+            None => LEVELS_WITHOUT_SPLIT,
+        };
+        let split = tape.n_choices() > 0 && level + without < self.depth;
         let mut families = vec![Family::EMPTY; nodes.len()];
         let mut groups: Vec<Group> = Vec::new();
         let mut rest = 0..nodes.len();

@@ -1,6 +1,9 @@
 //! Fidget at its best: which evaluator suits a surface, and where shortening pays.
 
-use std::{fmt, time::Duration};
+use std::{
+    fmt,
+    time::{Duration, Instant},
+};
 
 use fidget::{eval::Function, jit::JitFunction, vm::VmFunction};
 use rayon::ThreadPool;
@@ -74,6 +77,8 @@ impl Fidget {
 /// Settings that are tried at the full resolution, and how often.
 const FINALISTS: usize = 6;
 const TRIALS: usize = 3;
+/// No further trial begins after this time: what takes seconds is told apart by a single one.
+const BUDGET: Duration = Duration::from_secs(20);
 
 /// The setting that is fastest with one thread. All are tried at half the resolution, where voxels
 /// look much the same to a tape, and the best of them at the full one.
@@ -95,7 +100,11 @@ pub fn best<S: Copy>(
     settings.sort_by_cached_key(|&setting| glance(setting));
     settings.truncate(FINALISTS);
     let mut times = vec![Duration::MAX; settings.len()];
-    for _ in 0..TRIALS {
+    let start = Instant::now();
+    for trial in 0..TRIALS {
+        if trial > 0 && start.elapsed() > BUDGET {
+            break;
+        }
         for (least, &setting) in times.iter_mut().zip(&settings) {
             *least = measure(setting).min(*least);
         }
