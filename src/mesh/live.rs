@@ -3,6 +3,7 @@
 //!
 //! *Based on:* A. León Salas, 2008, section 4.2 (holes in the vertex buffer, figure 4.3).
 
+use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use super::{
@@ -130,6 +131,19 @@ impl LiveMesh {
     #[must_use]
     pub fn is_of_small_regions(&self) -> bool {
         self.n_beside_large == 0
+    }
+
+    /// The volume, in samples, between the triangles of some bricks and the origin; that of what they
+    /// enclose, if they are all.
+    #[must_use]
+    pub fn volume_of(&self, bricks: impl Iterator<Item = [u32; 3]>) -> f64 {
+        let corner = |v: u32| DVec3::from_array(self.vertices[v as usize].point());
+        let of_triangle = |&t: &u32| {
+            let [a, b, c] = self.triangles[t as usize].map(corner);
+            a.dot(b.cross(c)) / 6.0
+        };
+        let parts = bricks.filter_map(|place| self.bricks.get(&morton_encode(place)));
+        parts.flat_map(|part| &part.triangles).map(of_triangle).sum()
     }
 
     /// Vertices and triangles without holes, in the order of a mesh that is made in one piece.

@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use super::{Deed, Piece, Sculpture, Tool};
 use crate::hrb::{Samples, Value, join_around};
 
-/// Samples over which the values fall from the largest to the least at the border of what was filled
-/// or cut, so that the mesh is smooth there.
-const RAMP: f64 = 8.0;
+/// Samples over which the values fall from the largest to the least, as depths do, at the border of what
+/// was filled or cut, so that the mesh is smooth there.
+pub(super) const RAMP: f64 = 8.0;
 
 /// Halvings that find an amount more closely than values are kept.
 const HALVINGS: usize = 30;
@@ -22,7 +22,7 @@ impl<V: Value> Sculpture<V> {
         }
         let values = match tool.deed {
             Deed::Twist { .. } | Deed::Drag | Deed::Bend { .. } => {
-                self.moved(tool, piece, &samples)
+                return self.carry(tool, piece, &samples);
             }
             Deed::Inflate => self.inflated(tool, piece, &samples),
             _ => self.worked(tool, piece, &samples),
