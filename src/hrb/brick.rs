@@ -21,6 +21,10 @@ pub(super) struct Brick<V> {
     pub(super) range: [V; 2],
 }
 
+/// Samples in a row and in a slice of a brick.
+const ROW: usize = SIDE as usize;
+const SLICE: usize = ROW * ROW;
+
 /// Where the samples of a brick, in Morton order, stand in it, x fastest.
 pub(super) static PLACES: [u16; VOXELS] = {
     let mut places = [0; VOXELS];
@@ -93,10 +97,10 @@ impl<V: Value> Brick<V> {
             return slices(&self.values, |value| is(*value));
         }
         let mut slices = [0; SIDE as usize];
-        self.regions(|number, first, level| {
-            if is(self.values[number]) {
-                mark(&mut slices, first, level);
-            }
+        self.parts(|values, first, level| match values.first_chunk() {
+            Some(eight) if level == 0 => mark_some(&mut slices, first, eight.map(&is)),
+            _ if is(values[0]) => mark(&mut slices, first, level),
+            _ => {}
         });
         slices
     }
@@ -137,8 +141,10 @@ impl<V: Value> Brick<V> {
         if self.is_finest() {
             samples.copy_from_slice(&self.values);
         } else {
-            self.regions(|number, first, level| {
-                fill(&mut samples, first, level, self.values[number]);
+            self.parts(|values, first, level| match (level, values.first_chunk()) {
+                (0, Some(eight)) => put(&mut samples, first, eight),
+                (2, _) => fill::<_, 4>(&mut samples, first, values[0]),
+                _ => fill::<_, 2>(&mut samples, first, values[0]),
             });
         }
         samples
@@ -175,9 +181,23 @@ impl<V: Value> Brick<V> {
             return;
         }
         let mut number = 0;
+        self.parts(|_, first, level| {
+            let n = if level == 0 { 8 } else { 1 };
+            for place in &PLACES[..n] {
+                tell(number, first + usize::from(*place), level);
+                number += 1;
+            }
+        });
+    }
+
+    /// Calls `tell` with every part that is one region, or 2³ single samples: the values from its first
+    /// one on, the place of its first sample in the brick, x fastest, and the level of its regions.
+    #[inline]
+    fn parts(&self, mut tell: impl FnMut(&[V], usize, u8)) {
+        let mut values = &self.values[..];
         let mut next = |m: usize, level: u8| {
-            tell(number, PLACES[m].into(), level);
-            number += 1;
+            tell(values, PLACES[m].into(), level);
+            values = &values[if level == 0 { 8 } else { 1 }..];
         };
         for c in 0..8 {
             if self.fours >> c & 1 == 0 {
@@ -185,11 +205,7 @@ impl<V: Value> Brick<V> {
                 continue;
             }
             for d in 8 * c..8 * c + 8 {
-                if self.twos >> d & 1 == 0 {
-                    next(8 * d, 1);
-                    continue;
-                }
-                (8 * d..8 * d + 8).for_each(|m| next(m, 0));
+                next(8 * d, u8::from(self.twos >> d & 1 == 0));
             }
         }
     }
@@ -209,15 +225,23 @@ pub(super) fn place_of(index: usize) -> [u32; 3] {
     [index % 8, index / 8 % 8, index / 64].map(|i| i as u32)
 }
 
-/// Fills a cube of a brick.
+/// Fills a cube of N³ samples of a brick.
 #[inline]
-fn fill<T: Copy>(all: &mut [T; VOXELS], first: usize, level: u8, value: T) {
-    let (side, n) = (SIDE as usize, 1 << level);
-    for z in 0..n {
-        for y in 0..n {
-            let row = first + side * (y + side * z);
-            all[row..row + n].fill(value);
+fn fill<T: Copy, const N: usize>(all: &mut [T; VOXELS], first: usize, value: T) {
+    for z in 0..N {
+        for y in 0..N {
+            let row = first + ROW * y + SLICE * z;
+            all[row..row + N].copy_from_slice(&[value; N]);
         }
+    }
+}
+
+/// Puts 2³ samples, in Morton order, into a brick.
+#[inline]
+fn put<T: Copy>(all: &mut [T; VOXELS], first: usize, eight: &[T; 8]) {
+    for (k, pair) in eight.chunks_exact(2).enumerate() {
+        let row = first + ROW * (k & 1) + SLICE * (k >> 1);
+        all[row..row + 2].copy_from_slice(pair);
     }
 }
 
@@ -225,8 +249,17 @@ fn fill<T: Copy>(all: &mut [T; VOXELS], first: usize, level: u8, value: T) {
 #[inline]
 fn mark(slices: &mut Slices, first: usize, level: u8) {
     const SQUARES: [u64; 3] = [1, 0x0303, 0x0f0f_0f0f];
-    let (z, level) = (first / 64, usize::from(level));
+    let (z, level) = (first / SLICE, usize::from(level));
     for slice in &mut slices[z..z + (1 << level)] {
-        *slice |= SQUARES[level] << (first % 64);
+        *slice |= SQUARES[level] << (first % SLICE);
     }
+}
+
+/// Sets the bits of some of 2³ samples, which are in Morton order.
+#[inline]
+fn mark_some(slices: &mut Slices, first: usize, are: [bool; 8]) {
+    let bits = (0..8).fold(0, |bits, d| bits | u64::from(are[d]) << d);
+    let z = first / SLICE;
+    slices[z] |= (bits & 0x03 | (bits & 0x0c) << 6) << (first % SLICE);
+    slices[z + 1] |= (bits >> 4 & 0x03 | (bits & 0xc0) << 2) << (first % SLICE);
 }

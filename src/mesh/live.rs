@@ -22,8 +22,8 @@ pub struct LiveMesh {
     /// The holes.
     free_vertices: Vec<u32>,
     free_triangles: Vec<u32>,
-    /// By the Morton codes of bricks.
-    bricks: FxHashMap<u64, Part>,
+    /// By the Morton codes of bricks; boxed, as they are taken out and put back.
+    bricks: FxHashMap<u64, Box<Part>>,
     /// How many bricks have regions around them that are as large as bricks, or larger.
     n_beside_large: usize,
 }
@@ -56,7 +56,7 @@ impl LiveMesh {
         }
         // In the grid's order.
         numbers.sort_unstable_by_key(|&(number, _)| number);
-        let (numbers, before): (Vec<usize>, Vec<Part>) = numbers.into_iter().unzip();
+        let (numbers, before): (Vec<usize>, Vec<Box<Part>>) = numbers.into_iter().unzip();
         let code = |number: usize| morton_encode(grid.bricks[number].place);
         let known = |number| Some(self.bricks.get(&code(number))?.cuts.clone());
         let Parts { mut cuts, firsts, runs } = extract_parts(grid, &numbers, known);
@@ -150,7 +150,7 @@ impl LiveMesh {
     #[must_use]
     pub fn compact(&self) -> Extraction {
         let mut bricks: Vec<(u64, &Part)> =
-            self.bricks.iter().map(|(&code, part)| (code, part)).collect();
+            self.bricks.iter().map(|(&code, part)| (code, &**part)).collect();
         bricks.sort_unstable_by_key(|&(code, _)| code);
         let mut numbers = vec![0; self.vertices.len()];
         let mut vertices = Vec::with_capacity(self.vertices.len() - self.free_vertices.len());

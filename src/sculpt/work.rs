@@ -135,8 +135,17 @@ impl<V: Value> Sculpture<V> {
         let mut sums: Vec<f64> =
             self.octree().values(&around).iter().map(|value| value.to_f64()).collect();
         join_around(&mut sums, around.size(), |sum, beside| *sum += beside);
-        let n = |p: [u32; 3]| Samples { first: p, end: p.map(|i| i + 1) }.grown(1).and(&around).n();
-        samples.iter().map(|p| sums[around.index(p)] / n(p) as f64).collect()
+        // How many there are along an axis.
+        let n = |axis: usize, i: u32| 1 + i.min(1) + (whole.end[axis] - 1 - i).min(1);
+        let mut means = Vec::with_capacity(samples.n());
+        for row in samples.rows() {
+            let [x, y, z] = row;
+            let sums = &sums[around.index(row)..];
+            let of_row = n(1, y) * n(2, z);
+            let mean = |(x, sum): (u32, &f64)| sum / f64::from(n(0, x) * of_row);
+            means.extend((x..samples.end[0]).zip(sums).map(mean));
+        }
+        means
     }
 }
 
