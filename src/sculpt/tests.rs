@@ -114,6 +114,30 @@ fn large_regions_are_cut_and_joined() {
     }
 }
 
+/// What was joined within a tolerance before the first stroke stays within it of what was not, however
+/// many strokes of tools that work on values in their places follow.
+#[test]
+fn errors_do_not_add_up() {
+    let (n, epsilon) = (64, 1.5);
+    let mut exact = round(n);
+    let all = exact.octree().samples();
+    let tolerance = Tolerance { epsilon, ..Tolerance::default() };
+    let octree = HrbOctree::build(&exact.octree().values(&all), [n; 3], tolerance);
+    let mut joined = Sculpture::new(octree, 0.0, Border::Capped);
+    let deeds = [Deed::Add, Deed::Smooth, Deed::Remove, Deed::Smooth, Deed::Fill, Deed::Cut];
+    for (i, deed) in (0..120_u32).zip(deeds.into_iter().cycle()) {
+        // Again and again over the same places.
+        let at = DVec3::from_array([7, 11, 5].map(|step| f64::from(step * i % n)));
+        let tool = ball_tool(deed, 9.0, 0.4);
+        let piece = Piece { from: at, to: at };
+        [&mut exact, &mut joined].map(|sculpture| sculpture.apply(&tool, &piece));
+    }
+    let pairs = exact.octree().values(&all).into_iter().zip(joined.octree().values(&all));
+    let farthest = pairs.map(|(a, b)| f64::from(a - b).abs()).fold(0.0, f64::max);
+    // What is left of the tolerance, and what rounding adds.
+    assert!(farthest > 0.3 && farthest < epsilon + 1e-4, "{farthest}");
+}
+
 /// A thousand strokes, each compared: minutes.
 #[test]
 #[ignore = "takes minutes: cargo test --release --lib -- --ignored a_thousand_strokes"]
