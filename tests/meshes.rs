@@ -260,7 +260,7 @@ fn difference(name: &str, found: &str, golden: &Path) -> Option<String> {
 }
 
 /// A scan as it comes: raw samples beside a scene of nothing else.
-fn scan(file: &str, keys: &str) -> scene::Scene {
+fn scan(file: &str, keys: &str) -> Scene {
     let data = env::var_os("ZEROSET_DATA").unwrap();
     let packed = Path::new(&data).join("volumes").join(file).with_extension("raw.xz");
     let folder = tempfile::tempdir().unwrap();

@@ -35,15 +35,15 @@ impl<V: Value> HrbOctree<V> {
         let first = wanted.first.map(|i| i.saturating_sub(2));
         let sides = self.sides(isovalue, border, first, wanted.end().map(|i| i + 2));
         let near = sides.spread();
-        let mut chosen = near.clone();
-        for (place, own) in near.places().zip(&mut chosen.all) {
-            *own = u8::from(*own == BOTH && wanted.has(place));
+        let mut chosen = Window::new(near.first, near.end(), 0);
+        for slot in wanted.chosen().filter_map(|place| near.slot(place)) {
+            chosen.all[slot] = u8::from(near.all[slot] == BOTH);
         }
         let chosen = chosen.spread();
-        let slots = near.places().enumerate();
-        let (mixed, others): (Vec<_>, Vec<_>) = slots
-            .filter(|&(slot, _)| chosen.all[slot] == 1 && near.all[slot] == BOTH)
-            .partition(|&(slot, _)| sides.all[slot] == BOTH);
+        let is_near = |&slot: &usize| chosen.all[slot] == 1 && near.all[slot] == BOTH;
+        let slots = (0..near.all.len()).filter(is_near).map(|slot| (slot, near.place(slot)));
+        let (mixed, others): (Vec<_>, Vec<_>) =
+            slots.partition(|&(slot, _)| sides.all[slot] == BOTH);
         let brick = |&(_, place): &(usize, [u32; 3])| self.brick(place, isovalue, border);
         let mut bricks: Vec<NearBrick<'_, V>> = mixed.par_iter().map(brick).collect();
         let beside = sides.beside(&bricks);

@@ -41,6 +41,13 @@ impl<V: Value> HrbOctree<V> {
         values
     }
 
+    /// What all samples in a box are, if they are known to be alike.
+    pub(crate) fn alike(&self, samples: &Samples) -> Option<V> {
+        let value = self.region_at(samples.first).value;
+        let is_same = |[least, most]: [V; 2]| least == value && most == value;
+        is_all(&self.root, [0; 3], self.depth, (samples, self.size), &is_same).then_some(value)
+    }
+
     /// Changes samples of the volume to `values`, x fastest, and the corners that regions answer for.
     pub fn set(&mut self, samples: &Samples, values: &[V]) -> Changes {
         let mut change = Change {
@@ -85,6 +92,30 @@ fn read<V: Value>(tree: &Tree<V>, base: [u32; 3], level: u8, samples: &Samples, 
             }
         }
         Tree::Brick(brick) => copy(&brick.samples(), &node, values, samples),
+    }
+}
+
+/// Whether the least and the largest value of everything that reaches into a box are such.
+fn is_all<V: Value>(
+    tree: &Tree<V>,
+    base: [u32; 3],
+    level: u8,
+    wanted: (&Samples, [u32; 3]),
+    is: &impl Fn([V; 2]) -> bool,
+) -> bool {
+    let (within, size) = wanted;
+    if !within.meets(base, level) || (0..3).any(|axis| base[axis] >= size[axis]) {
+        return true;
+    }
+    match tree {
+        Tree::Region { value, .. } => is([*value; 2]),
+        Tree::Brick(brick) => is(brick.range),
+        Tree::Node(node) => {
+            is(node.range)
+                || (0..8).all(|c| {
+                    is_all(&node.children[c], child(base, level, c), level - 1, wanted, is)
+                })
+        }
     }
 }
 

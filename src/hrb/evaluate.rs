@@ -12,13 +12,32 @@
 //!
 //! *Based on:* A. León Salas, 2008, section 2.2 (the two zones of a region).
 
+use glam::DVec3;
+
 use super::{HrbOctree, Value};
+
+/// The first of the eight samples around a point, how far behind it the point is, in [0, 1], and their
+/// values.
+struct Around {
+    part: [f64; 3],
+    corners: [f64; 8],
+}
 
 impl<V: Value> HrbOctree<V> {
     /// The value at a point, in samples from the volume's first corner; samples are in the middles of
     /// unit cubes. Beyond the outermost samples it stays what it is there.
     #[must_use]
     pub fn value_at(&self, point: [f64; 3]) -> f64 {
+        self.around(point).value()
+    }
+
+    /// The same, and its gradient.
+    pub(crate) fn value_and_slope_at(&self, point: [f64; 3]) -> (f64, DVec3) {
+        let around = self.around(point);
+        (around.value(), around.slope())
+    }
+
+    fn around(&self, point: [f64; 3]) -> Around {
         let mut first = [0; 3];
         let mut part = [0.0; 3];
         for axis in 0..3 {
@@ -37,13 +56,35 @@ impl<V: Value> HrbOctree<V> {
             let is_own = (0..3).all(|axis| p[axis] >> region.level == first[axis] >> region.level);
             if is_own { own } else { self.region_at(p).value.to_f64() }
         };
-        let corners: [f64; 8] = std::array::from_fn(|c| corner(c as u32));
-        if corners.iter().all(|&corner| corner == own) {
-            return own;
+        Around { part, corners: std::array::from_fn(|c| corner(c as u32)) }
+    }
+}
+
+impl Around {
+    #[inline]
+    fn value(&self) -> f64 {
+        let Self { part, corners } = self;
+        if corners.iter().all(|&corner| corner == corners[0]) {
+            return corners[0];
         }
-        // Exact where both are the same, so that the zones join bit by bit.
-        let blend = |a: f64, b: f64, part: f64| a + part * (b - a);
         let [a, b, c, d] = [0, 2, 4, 6].map(|c| blend(corners[c], corners[c + 1], part[0]));
         blend(blend(a, b, part[1]), blend(c, d, part[1]), part[2])
     }
+
+    fn slope(&self) -> DVec3 {
+        let [x, y, z] = self.part;
+        let v = &self.corners;
+        // Over the face across an axis, of what lies along the axis.
+        let along = |step: usize, [a, b]: [usize; 2], s: f64, t: f64| {
+            let rise = |c: usize| v[c + step] - v[c];
+            blend(blend(rise(0), rise(a), s), blend(rise(b), rise(a + b), s), t)
+        };
+        DVec3::new(along(1, [2, 4], y, z), along(2, [1, 4], x, z), along(4, [1, 2], x, y))
+    }
+}
+
+/// Exact where both are the same, so that the zones join bit by bit.
+#[inline]
+fn blend(a: f64, b: f64, part: f64) -> f64 {
+    a + part * (b - a)
 }

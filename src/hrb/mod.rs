@@ -25,5 +25,5 @@ pub use near::NearVoxels;
 pub use octree::{HrbOctree, Region, Storage};
 pub use sample::{Fixed8, Sample, Value};
 pub use samples::Samples;
-pub(crate) use samples::join_around;
+pub(crate) use samples::{copy, join_around};
 pub(crate) use window::Window;

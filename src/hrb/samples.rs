@@ -78,6 +78,17 @@ impl Samples {
         Self { first: self.first.map(|i| i.saturating_sub(n)), end: self.end.map(|i| i + n) }
     }
 
+    /// In boxes of `edge` samples or less along each axis.
+    #[must_use]
+    pub(crate) fn blocks(&self, edge: u32) -> Vec<Self> {
+        let n = self.size().map(|n| (n as u32).div_ceil(edge));
+        let block = |b: [u32; 3]| {
+            let first = [0, 1, 2].map(|axis| self.first[axis] + edge * b[axis]);
+            Self { first, end: first.map(|i| i + edge) }.and(self)
+        };
+        Self { first: [0; 3], end: n }.iter().map(block).collect()
+    }
+
     /// None.
     pub(super) const NONE: Self = Self { first: [0; 3], end: [0; 3] };
 
@@ -95,7 +106,7 @@ impl Samples {
 }
 
 /// Copies what two boxes have in common from the values of one, x fastest, to those of the other.
-pub(super) fn copy<V: Copy>(from: &[V], of: &Samples, to: &mut [V], into: &Samples) {
+pub(crate) fn copy<V: Copy>(from: &[V], of: &Samples, to: &mut [V], into: &Samples) {
     let common = of.and(into);
     let n = common.size()[0];
     for row in common.rows() {

@@ -35,6 +35,14 @@ impl<T: Copy> Window<T> {
             .then(|| at[0] + self.n[0] * (at[1] + self.n[1] * at[2]))
     }
 
+    /// The brick with a number.
+    #[inline]
+    pub(super) fn place(&self, slot: usize) -> [u32; 3] {
+        let [nx, ny, _] = self.n;
+        let at = [slot % nx, slot / nx % ny, slot / nx / ny];
+        [0, 1, 2].map(|axis| self.first[axis] + at[axis] as u32)
+    }
+
     /// All bricks, in order.
     pub(super) fn places(&self) -> impl Iterator<Item = [u32; 3]> + use<T> {
         let (first, end) = (self.first, self.end());
@@ -74,11 +82,6 @@ impl Window<bool> {
         let mut window = Self::new(whole.first, whole.end, false);
         boxes.iter().map(places).for_each(|Samples { first, end }| window.fill(first, end, true));
         window
-    }
-
-    /// Whether a brick is one of them.
-    pub(crate) fn has(&self, place: [u32; 3]) -> bool {
-        self.slot(place).is_some_and(|slot| self.all[slot])
     }
 
     /// Their places, in order.

@@ -3,6 +3,7 @@
 //!
 //! *Based on:* A. León Salas, 2008, section 4.2 (holes in the vertex buffer, figure 4.3).
 
+use glam::DVec3;
 use rustc_hash::FxHashMap;
 
 use super::{
@@ -21,8 +22,8 @@ pub struct LiveMesh {
     /// The holes.
     free_vertices: Vec<u32>,
     free_triangles: Vec<u32>,
-    /// By the Morton codes of bricks.
-    bricks: FxHashMap<u64, Part>,
+    /// By the Morton codes of bricks; boxed, as they are taken out and put back.
+    bricks: FxHashMap<u64, Box<Part>>,
     /// How many bricks have regions around them that are as large as bricks, or larger.
     n_beside_large: usize,
 }
@@ -55,7 +56,7 @@ impl LiveMesh {
         }
         // In the grid's order.
         numbers.sort_unstable_by_key(|&(number, _)| number);
-        let (numbers, before): (Vec<usize>, Vec<Part>) = numbers.into_iter().unzip();
+        let (numbers, before): (Vec<usize>, Vec<Box<Part>>) = numbers.into_iter().unzip();
         let code = |number: usize| morton_encode(grid.bricks[number].place);
         let known = |number| Some(self.bricks.get(&code(number))?.cuts.clone());
         let Parts { mut cuts, firsts, runs } = extract_parts(grid, &numbers, known);
@@ -132,11 +133,24 @@ impl LiveMesh {
         self.n_beside_large == 0
     }
 
+    /// The volume, in samples, between the triangles of some bricks and the origin; that of what they
+    /// enclose, if they are all.
+    #[must_use]
+    pub fn volume_of(&self, bricks: impl Iterator<Item = [u32; 3]>) -> f64 {
+        let corner = |v: u32| DVec3::from_array(self.vertices[v as usize].point());
+        let of_triangle = |&t: &u32| {
+            let [a, b, c] = self.triangles[t as usize].map(corner);
+            a.dot(b.cross(c)) / 6.0
+        };
+        let parts = bricks.filter_map(|place| self.bricks.get(&morton_encode(place)));
+        parts.flat_map(|part| &part.triangles).map(of_triangle).sum()
+    }
+
     /// Vertices and triangles without holes, in the order of a mesh that is made in one piece.
     #[must_use]
     pub fn compact(&self) -> Extraction {
         let mut bricks: Vec<(u64, &Part)> =
-            self.bricks.iter().map(|(&code, part)| (code, part)).collect();
+            self.bricks.iter().map(|(&code, part)| (code, &**part)).collect();
         bricks.sort_unstable_by_key(|&(code, _)| code);
         let mut numbers = vec![0; self.vertices.len()];
         let mut vertices = Vec::with_capacity(self.vertices.len() - self.free_vertices.len());

@@ -37,6 +37,30 @@ impl Values {
 }
 
 impl grid::Voxels for Values {
+    type Value = f32;
+
+    fn values(&self, all: &mut [f32; VOXELS]) {
+        if let Some(offsets) = self.offsets.as_array() {
+            *all = *offsets;
+            return;
+        }
+        let mut offsets = self.offsets.iter();
+        for (slice, all) in self.near.iter().zip(all.as_chunks_mut::<64>().0) {
+            let mut rest = *slice;
+            while rest != 0
+                && let Some(offset) = offsets.next()
+            {
+                all[rest.trailing_zeros() as usize] = *offset;
+                rest &= rest - 1;
+            }
+        }
+    }
+
+    #[inline]
+    fn offset_of(&self, offset: f32) -> f32 {
+        offset
+    }
+
     #[inline]
     fn offset(&self, index: usize) -> f32 {
         let (z, bit) = (index / 64, index % 64);

@@ -1,43 +1,38 @@
-//! Tools that move what is there.
+//! Flows of tools that move what is there: where what comes to a place comes from.
 //!
 //! *Based on:* W. von Funck, H. Theisel, H.-P. Seidel, "Vector Field Based Shape Deformations",
 //! SIGGRAPH 2006 (flows without sources keep the volume).
 
 use glam::{DQuat, DVec3};
-use rayon::prelude::*;
 
-use super::{Deed, Piece, Sculpture, Tool, tool::at_middles};
-use crate::hrb::{Samples, Value};
+use super::{Deed, Piece, Tool};
 
 /// Steps in which a drag follows its flow, for each radius of its way.
-const DRAG_STEPS: f64 = 32.0;
+const DRAG_STEPS: f64 = 16.0;
 /// Steps in which a bend does, for each radian.
-const BEND_STEPS: f64 = 32.0;
+const BEND_STEPS: f64 = 12.0;
 
-impl<V: Value> Sculpture<V> {
-    /// New values where a tool moves what is there.
-    pub(super) fn moved(&self, tool: &Tool, piece: &Piece, samples: &Samples) -> Vec<V> {
-        let source = |p: DVec3| match tool.deed {
-            Deed::Twist { axis, angle } => {
-                let from_middle = p - piece.to;
-                let depth = 1.0 - from_middle.length() / tool.radius;
-                let turn = -angle * tool.falloff.of(depth);
-                let (sin, cos) = (libm::sin(0.5 * turn), libm::cos(0.5 * turn));
-                let turn = DQuat::from_vec4((axis * sin).extend(cos));
-                if depth > 0.0 { piece.to + turn * from_middle } else { p }
-            }
-            Deed::Bend { axis, angle } => piece.unbent(p, tool.radius, axis, angle),
-            _ => piece.upstream(p, tool.radius),
-        };
-        let value = |p: DVec3| {
-            let from = source(p);
-            // What does not move keeps its value exactly.
-            match from == p {
-                true => self.octree().region_at(p.to_array().map(|c| c as u32)).value,
-                false => V::from_f64(self.octree().value_at(from.to_array())),
-            }
-        };
-        at_middles(samples, |p| p).into_par_iter().map(value).collect()
+impl Tool {
+    /// Where what the tool moves to a place comes from; what does not move comes from there exactly.
+    pub(super) fn source(&self, piece: &Piece, place: DVec3) -> DVec3 {
+        match self.deed {
+            Deed::Twist { axis, angle } => self.untwisted(piece.to, place, axis, angle),
+            Deed::Bend { axis, angle } => piece.unbent(place, self.radius, axis, angle),
+            Deed::Drag => piece.undragged(place, self.radius),
+            _ => place,
+        }
+    }
+
+    /// Back about an axis through the middle, by the angle of the shell that the place is in.
+    fn untwisted(&self, middle: DVec3, place: DVec3, axis: DVec3, angle: f64) -> DVec3 {
+        let from_middle = place - middle;
+        let depth = 1.0 - from_middle.length() / self.radius;
+        if depth <= 0.0 {
+            return place;
+        }
+        let half = -0.5 * angle * self.falloff.of(depth);
+        let turn = DQuat::from_vec4((axis * libm::sin(half)).extend(libm::cos(half)));
+        middle + turn * from_middle
     }
 }
 
@@ -66,11 +61,11 @@ fn upstream(place: DVec3, n: u32, step: f64, flow: impl Fn(DVec3, f64) -> DVec3)
 }
 
 impl Piece {
-    /// Where what flows to a point comes from, as a ball is dragged along the piece.
-    fn upstream(&self, point: DVec3, radius: f64) -> DVec3 {
+    /// Against the flow of a ball that is dragged along the piece.
+    fn undragged(&self, point: DVec3, radius: f64) -> DVec3 {
         let way = self.to - self.from;
         let length = way.length();
-        if length == 0.0 {
+        if length == 0.0 || self.nearest(point).distance(point) >= radius {
             return point;
         }
         let n = (DRAG_STEPS * length / radius).ceil().max(1.0);
@@ -90,8 +85,7 @@ impl Piece {
         })
     }
 
-    /// Where what is bent to a point comes from: about the piece's beginning, with the arm towards its
-    /// end.
+    /// Against the flow of a bend about the piece's beginning, with the arm towards its end.
     fn unbent(&self, point: DVec3, radius: f64, axis: DVec3, angle: f64) -> DVec3 {
         let arm = (self.to - self.from).normalize_or_zero();
         let axis = (axis - axis.dot(arm) * arm).normalize_or_zero();
@@ -100,30 +94,105 @@ impl Piece {
         if from_hinge.length() >= radius {
             return point;
         }
-        let from = upstream(from_hinge, n as u32, angle / n, |at, _| {
-            let d = at.length() / radius;
-            // All of the arm up to half the radius turns.
-            let (inside, inside_slope) = rise(2.0 - 2.0 * d);
-            let (turned, turned_slope) = rise(0.5 + 2.0 * at.dot(arm) / radius);
-            let of_ball = if d > 0.0 {
-                -2.0 * inside_slope / (radius * radius * d) * at
-            } else {
-                DVec3::ZERO
-            };
-            let of_arm = 2.0 * turned_slope / radius * arm;
-            let f = (inside * turned, turned * of_ball + inside * of_arm);
-            // A turn is the product of the gradients of these two.
-            let across = at - at.dot(axis) * axis;
-            flow(f, (at.dot(axis), axis), (0.5 * across.length_squared(), across))
+        let step = angle / n;
+        let from = upstream(from_hinge, n as u32, step, |at, time| {
+            // Half way between what stays and the arm, wherever it is by then.
+            let half = 0.5 * (angle - time * step);
+            let ahead = libm::cos(half) * arm + libm::sin(half) * axis.cross(arm);
+            bend(at, ahead, axis, radius)
         });
         // What does not move is where it was exactly.
         if from == from_hinge { point } else { self.from + from }
     }
 }
 
-/// From 0 at 0 to 1 at 1 and level beyond, with two derivatives everywhere; and the first.
-fn rise(t: f64) -> (f64, f64) {
-    let t = t.clamp(0.0, 1.0);
-    let left = t * (1.0 - t);
-    (t * t * t * (10.0 - 15.0 * t + 6.0 * t * t), 30.0 * left * left)
+/// The flow, for each radian, that turns what lies ahead of a hinge about its axis, up to half the radius
+/// wholly. Between what stays and what turns it is that of a beam: each section across turns as a whole,
+/// and its middle follows those before it.
+fn bend(at: DVec3, ahead: DVec3, axis: DVec3, radius: f64) -> DVec3 {
+    let side = axis.cross(ahead);
+    let (x, y, width) = (at.dot(ahead), at.dot(side), 0.5 * radius);
+    let turn = Rise::at(0.5 + x / width);
+    let stream = 0.5 * y * y * turn.value + width * width * turn.second_sum;
+    let slope =
+        (0.5 * y * y * turn.slope / width + width * turn.sum) * ahead + y * turn.value * side;
+    // What flows along the levels of a function across an axis has no source.
+    let far = at.length();
+    let inside = Rise::at(2.0 - 2.0 * far / radius);
+    let outwards = if far > 0.0 { -2.0 * inside.slope / (radius * far) * at } else { DVec3::ZERO };
+    axis.cross(inside.value * slope + stream * outwards)
+}
+
+/// A function from 0 at 0 to 1 at 1 and level beyond, with two derivatives everywhere.
+struct Rise {
+    value: f64,
+    slope: f64,
+    /// Its integral from 0.
+    sum: f64,
+    /// The integral of that.
+    second_sum: f64,
+}
+
+impl Rise {
+    fn at(t: f64) -> Self {
+        let beyond = (t - 1.0).max(0.0);
+        let t = t.clamp(0.0, 1.0);
+        let (left, cube) = (t * (1.0 - t), t * t * t);
+        Self {
+            value: cube * (10.0 - 15.0 * t + 6.0 * t * t),
+            slope: 30.0 * left * left,
+            sum: cube * t * (2.5 - 3.0 * t + t * t) + beyond,
+            second_sum: cube * t * t * (0.5 - 0.5 * t + t * t / 7.0)
+                + 0.5 * beyond * (1.0 + beyond),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DMat3;
+
+    use super::*;
+    use crate::sculpt::{Falloff, Shape};
+
+    /// By how much a place grows on its way, from differences of where things come from.
+    fn growth(tool: &Tool, piece: &Piece, place: DVec3) -> f64 {
+        const STEP: f64 = 1e-4;
+        let along = |axis: DVec3| {
+            let ends = [place + STEP * axis, place - STEP * axis];
+            let [a, b] = ends.map(|p| tool.source(piece, p));
+            (a - b) / (2.0 * STEP)
+        };
+        1.0 / DMat3::from_cols(along(DVec3::X), along(DVec3::Y), along(DVec3::Z)).determinant()
+    }
+
+    /// Nothing grows or shrinks, and what lies beyond the tool stays exactly.
+    #[test]
+    fn flows_have_no_sources() {
+        let axis = DVec3::new(0.36, 0.48, 0.8);
+        let piece = Piece { from: DVec3::new(1.0, 2.0, 3.0), to: DVec3::new(6.0, 1.0, 2.0) };
+        let deeds = [Deed::Twist { axis, angle: 2.0 }, Deed::Bend { axis, angle: 1.5 }, Deed::Drag];
+        for deed in deeds {
+            let tool = Tool {
+                shape: Shape::Ball,
+                deed,
+                radius: 10.0,
+                strength: 1.0,
+                falloff: Falloff::Smooth,
+                range: [-4.0, 4.0],
+            };
+            let mut moved = 0;
+            for i in 0..1000 {
+                let at = |k: i32| f64::from(i / k % 10) * 2.7 - 10.0;
+                let place = DVec3::new(at(1), at(10), at(100));
+                let growth = growth(&tool, &piece, place);
+                assert!((growth - 1.0).abs() < 1e-3, "{deed:?} at {place}: {growth}");
+                let is_beyond = piece.nearest(place).distance(place) >= tool.radius;
+                let is_moved = tool.source(&piece, place) != place;
+                assert!(!(is_beyond && is_moved), "{deed:?} at {place}");
+                moved += usize::from(is_moved);
+            }
+            assert!(moved > 50, "{deed:?} moves {moved}");
+        }
+    }
 }

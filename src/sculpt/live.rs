@@ -72,6 +72,12 @@ impl<V: Value> Sculpture<V> {
         self.mesh.renew(&grid, near.chosen());
     }
 
+    /// The volume within the parts of the mesh that changes of some samples can reach: its difference
+    /// before and after is that of the whole.
+    pub(super) fn volume_near(&self, samples: &Samples) -> f64 {
+        self.mesh.volume_of(Window::of(&[samples.grown(1)]).chosen())
+    }
+
     /// All samples whose bricks have to give their parts of the mesh anew. Regions larger than bricks
     /// keep vertices of all their faces in one brick, so that they count as a whole.
     fn reach(&self, changed: Samples) -> Samples {

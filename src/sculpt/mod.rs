@@ -6,6 +6,7 @@
 mod contact;
 mod flow;
 mod live;
+mod moved;
 mod path;
 mod plan;
 #[cfg(test)]

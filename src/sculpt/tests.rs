@@ -114,6 +114,32 @@ fn large_regions_are_cut_and_joined() {
     }
 }
 
+/// What was joined within a tolerance before the first stroke stays within it of what was not, however
+/// many strokes of tools that work on values in their places follow.
+#[test]
+fn errors_do_not_add_up() {
+    let (n, epsilon) = (64, 1.5);
+    let mut exact = round(n);
+    let all = exact.octree().samples();
+    let tolerance = Tolerance { epsilon, ..Tolerance::default() };
+    let octree = HrbOctree::build(&exact.octree().values(&all), [n; 3], tolerance);
+    let mut joined = Sculpture::new(octree, 0.0, Border::Capped);
+    let deeds = [Deed::Add, Deed::Smooth, Deed::Remove, Deed::Smooth, Deed::Fill, Deed::Cut];
+    for (i, deed) in (0..120_u32).zip(deeds.into_iter().cycle()) {
+        // Again and again over the same places.
+        let at = DVec3::from_array([7, 11, 5].map(|step| f64::from(step * i % n)));
+        let tool = ball_tool(deed, 9.0, 0.4);
+        let piece = Piece { from: at, to: at };
+        for sculpture in [&mut exact, &mut joined] {
+            sculpture.apply(&tool, &piece);
+        }
+    }
+    let pairs = exact.octree().values(&all).into_iter().zip(joined.octree().values(&all));
+    let farthest = pairs.map(|(a, b)| f64::from(a - b).abs()).fold(0.0, f64::max);
+    // What is left of the tolerance, and what rounding adds.
+    assert!(farthest > 0.3 && farthest < epsilon + 1e-4, "{farthest}");
+}
+
 /// A thousand strokes, each compared: minutes.
 #[test]
 #[ignore = "takes minutes: cargo test --release --lib -- --ignored a_thousand_strokes"]
@@ -135,17 +161,31 @@ fn a_thousand_strokes_are_local_and_exact() {
     random_strokes(128, &strokes, Border::Capped).unwrap();
 }
 
-/// A ball of 30 samples' radius, as depths.
-fn round(n: u32) -> Sculpture<f32> {
+/// Depths of a solid, of places from the middle.
+fn solid(n: u32, depth: impl Fn(DVec3) -> f64) -> Sculpture<f32> {
     let middle = f64::from(n) / 2.0;
     let all = Samples { first: [0; 3], end: [n; 3] };
     let value = |p: [u32; 3]| {
-        let q = DVec3::from_array(p.map(f64::from)) + 0.5 - middle;
-        // Longer along x, so that a twist shows.
-        (30.0 - (q * DVec3::new(0.7, 1.2, 1.0)).length()).clamp(-DEPTH, DEPTH) as f32
+        depth(DVec3::from_array(p.map(f64::from)) + 0.5 - middle).clamp(-DEPTH, DEPTH) as f32
     };
     let samples: Vec<f32> = all.iter().map(value).collect();
     Sculpture::new(HrbOctree::build(&samples, [n; 3], Tolerance::default()), 0.0, Border::Capped)
+}
+
+/// A ball of 30 samples' radius, longer along x, so that a twist shows.
+fn round(n: u32) -> Sculpture<f32> {
+    solid(n, |q| 30.0 - (q * DVec3::new(0.7, 1.2, 1.0)).length())
+}
+
+/// A bar along x.
+fn bar(n: u32, half_length: f64, half_width: f64) -> Sculpture<f32> {
+    solid(n, |q| (half_width - q.y.abs().max(q.z.abs())).min(half_length - q.x.abs()))
+}
+
+/// A tool for depths.
+fn ball_tool(deed: Deed, radius: f64, strength: f64) -> Tool {
+    let range = [-DEPTH, DEPTH];
+    Tool { shape: Shape::Ball, deed, radius, strength, falloff: Falloff::Smooth, range }
 }
 
 fn volume(sculpture: &Sculpture<f32>) -> f64 {
@@ -164,29 +204,14 @@ fn tools_that_move_keep_the_volume() {
     let n = 112;
     let before = round(n);
     let (whole, middle) = (volume(&before), DVec3::splat(f64::from(n) / 2.0));
+    let at = |far: f64| middle + far * DVec3::Z;
     let twist = Deed::Twist { axis: DVec3::Z, angle: 1.2 };
-    let tool = |deed, radius| Tool {
-        shape: Shape::Ball,
-        deed,
-        radius,
-        strength: 1.0,
-        falloff: Falloff::Smooth,
-        range: [-DEPTH, DEPTH],
-    };
+    let bend = Deed::Bend { axis: DVec3::Z, angle: 0.8 };
     let ways = [
-        (tool(twist, 50.0), Piece { from: middle, to: middle }),
-        (
-            tool(Deed::Drag, 24.0),
-            Piece { from: middle + 25.0 * DVec3::Z, to: middle + 33.0 * DVec3::Z },
-        ),
-        (
-            tool(Deed::Bend { axis: DVec3::Z, angle: 0.8 }, 52.0),
-            Piece { from: middle, to: middle + DVec3::X },
-        ),
-        (
-            Tool { strength: 0.5, ..tool(Deed::Inflate, 26.0) },
-            Piece { from: middle + 30.0 * DVec3::Z, to: middle + 30.0 * DVec3::Z },
-        ),
+        (ball_tool(twist, 50.0, 1.0), Piece { from: middle, to: middle }),
+        (ball_tool(Deed::Drag, 24.0, 1.0), Piece { from: at(25.0), to: at(33.0) }),
+        (ball_tool(bend, 52.0, 1.0), Piece { from: middle, to: middle + DVec3::X }),
+        (ball_tool(Deed::Inflate, 26.0, 0.5), Piece { from: at(30.0), to: at(30.0) }),
     ];
     for (tool, piece) in ways {
         let mut sculpture = before.clone();
@@ -200,24 +225,9 @@ fn tools_that_move_keep_the_volume() {
 /// The arm of a bar turns about its hinge; the other half stays.
 #[test]
 fn a_bend_turns_the_arm() {
-    let n = 80;
     let middle = DVec3::splat(40.0);
-    let all = Samples { first: [0; 3], end: [n; 3] };
-    let bar = |p: [u32; 3]| {
-        let q = (DVec3::from_array(p.map(f64::from)) + 0.5 - middle).abs();
-        (6.0 - q.y.max(q.z)).min(32.0 - q.x).clamp(-DEPTH, DEPTH) as f32
-    };
-    let samples: Vec<f32> = all.iter().map(bar).collect();
-    let octree = HrbOctree::build(&samples, [n; 3], Tolerance::default());
-    let mut sculpture = Sculpture::new(octree, 0.0, Border::Capped);
-    let tool = Tool {
-        shape: Shape::Ball,
-        deed: Deed::Bend { axis: DVec3::Z, angle: 0.5 },
-        radius: 38.0,
-        strength: 1.0,
-        falloff: Falloff::Smooth,
-        range: [-DEPTH, DEPTH],
-    };
+    let mut sculpture = bar(80, 32.0, 6.0);
+    let tool = ball_tool(Deed::Bend { axis: DVec3::Z, angle: 0.5 }, 38.0, 1.0);
     sculpture.apply(&tool, &Piece { from: middle, to: middle + DVec3::X });
     let is_solid = |p: DVec3| sculpture.octree().value_at(p.to_array()) > 0.0;
     let turned = 18.0 * DVec3::new(libm::cos(0.5), libm::sin(0.5), 0.0);
@@ -226,6 +236,28 @@ fn a_bend_turns_the_arm() {
     assert!(!is_solid(middle + turned + beside) && !is_solid(middle + turned - beside));
     assert!(is_solid(middle - 18.0 * DVec3::X), "the other half stays");
     assert!(!is_solid(middle - 18.0 * DVec3::X + 9.0 * DVec3::Y));
+}
+
+/// A bar bent by a right angle is as thick beside the hinge as before, and depths there are distances.
+#[test]
+fn a_strong_bend_leaves_a_bar_whole() {
+    let middle = DVec3::splat(48.0);
+    let mut sculpture = bar(96, 36.0, 8.0);
+    let before = volume(&sculpture);
+    let angle = std::f64::consts::FRAC_PI_2;
+    let tool = ball_tool(Deed::Bend { axis: DVec3::Z, angle }, 76.0, 1.0);
+    sculpture.apply(&tool, &Piece { from: middle, to: middle + DVec3::X });
+    assert!((volume(&sculpture) / before - 1.0).abs() < 1e-4);
+    let depth = |p: DVec3| sculpture.octree().value_at((middle + p).to_array());
+    for want in [-3.0, -1.0, 1.0, 3.0] {
+        for side in [DVec3::X, -DVec3::X, DVec3::Z, -DVec3::Z] {
+            // The arm lies along y.
+            let got = depth(31.0 * DVec3::Y + (8.0 - want) * side);
+            assert!((got - want).abs() < 0.2, "{got} at {want} along {side}");
+        }
+    }
+    let still = [0.0, 12.5].map(|y| depth(y * DVec3::Y - 30.0 * DVec3::X));
+    assert_eq!(still, [DEPTH, -DEPTH], "the other half stays");
 }
 
 /// What is inflated rises in the middle and sinks around.
@@ -238,14 +270,7 @@ fn what_is_inflated_comes_from_around() {
     let depth = |sculpture: &Sculpture<f32>, p: DVec3| sculpture.octree().value_at(p.to_array());
     let ring = middle + 18.0 * DVec3::X + 27.0 * DVec3::Z;
     let before = [depth(&sculpture, top), depth(&sculpture, ring)];
-    let tool = Tool {
-        shape: Shape::Ball,
-        deed: Deed::Inflate,
-        radius: 26.0,
-        strength: 0.4,
-        falloff: Falloff::Smooth,
-        range: [-DEPTH, DEPTH],
-    };
+    let tool = ball_tool(Deed::Inflate, 26.0, 0.4);
     sculpture.apply(&tool, &Piece { from: top, to: top });
     assert!(depth(&sculpture, top) > before[0] + 2.0, "it rises in the middle");
     assert!(depth(&sculpture, ring) < before[1], "it sinks around");

@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use super::{Deed, Piece, Sculpture, Tool};
 use crate::hrb::{Samples, Value, join_around};
 
-/// Samples over which the values fall from the largest to the least at the border of what was filled
-/// or cut, so that the mesh is smooth there.
-const RAMP: f64 = 8.0;
+/// Samples over which the values fall from the largest to the least, as depths do, at the border of what
+/// was filled or cut, so that the mesh is smooth there.
+pub(super) const RAMP: f64 = 8.0;
 
 /// Halvings that find an amount more closely than values are kept.
 const HALVINGS: usize = 30;
@@ -22,7 +22,7 @@ impl<V: Value> Sculpture<V> {
         }
         let values = match tool.deed {
             Deed::Twist { .. } | Deed::Drag | Deed::Bend { .. } => {
-                self.moved(tool, piece, &samples)
+                return self.carry(tool, piece, &samples);
             }
             Deed::Inflate => self.inflated(tool, piece, &samples),
             _ => self.worked(tool, piece, &samples),
@@ -135,8 +135,17 @@ impl<V: Value> Sculpture<V> {
         let mut sums: Vec<f64> =
             self.octree().values(&around).iter().map(|value| value.to_f64()).collect();
         join_around(&mut sums, around.size(), |sum, beside| *sum += beside);
-        let n = |p: [u32; 3]| Samples { first: p, end: p.map(|i| i + 1) }.grown(1).and(&around).n();
-        samples.iter().map(|p| sums[around.index(p)] / n(p) as f64).collect()
+        // How many there are along an axis.
+        let n = |axis: usize, i: u32| 1 + i.min(1) + (whole.end[axis] - 1 - i).min(1);
+        let mut means = Vec::with_capacity(samples.n());
+        for row in samples.rows() {
+            let [x, y, z] = row;
+            let sums = &sums[around.index(row)..];
+            let of_row = n(1, y) * n(2, z);
+            let mean = |(x, sum): (u32, &f64)| sum / f64::from(n(0, x) * of_row);
+            means.extend((x..samples.end[0]).zip(sums).map(mean));
+        }
+        means
     }
 }
 
