@@ -16,23 +16,31 @@ use crate::{
     math::{Lattice, morton_decode, morton_encode},
 };
 
-/// Values of −F in the voxels of a brick that are near the surface. No edge between others is cut, and
-/// nobody asks what they are.
+/// Values of −F in the voxels of a brick that are near the surface. Others are as far inside or outside
+/// as can be: edges between them are cut only where F ends.
 pub(super) struct Values {
     near: Bits,
+    /// The voxels inside, near or not.
+    inside: Bits,
     /// Set bits before each slice.
     before: [u16; SIDE as usize],
     offsets: Box<[f32]>,
 }
 
 impl Values {
-    fn new(near: Bits, offsets: Box<[f32]>) -> Self {
+    fn new(near: Bits, inside: Bits, offsets: Box<[f32]>) -> Self {
         let mut n = 0;
         let before = near.map(|slice| {
             n += slice.count_ones() as u16;
             n - slice.count_ones() as u16
         });
-        Self { near, before, offsets }
+        Self { near, inside, before, offsets }
+    }
+
+    /// What a voxel has that is not near.
+    #[inline]
+    fn far(&self, z: usize, bit: usize) -> f32 {
+        if self.inside[z] >> bit & 1 == 1 { f32::MAX } else { f32::MIN }
     }
 }
 
@@ -45,14 +53,10 @@ impl grid::Voxels for Values {
             return;
         }
         let mut offsets = self.offsets.iter();
-        for (slice, all) in self.near.iter().zip(all.as_chunks_mut::<64>().0) {
-            let mut rest = *slice;
-            while rest != 0
-                && let Some(offset) = offsets.next()
-            {
-                all[rest.trailing_zeros() as usize] = *offset;
-                rest &= rest - 1;
-            }
+        for (i, value) in all.iter_mut().enumerate() {
+            let (z, bit) = (i / 64, i % 64);
+            let own = if self.near[z] >> bit & 1 == 1 { offsets.next().copied() } else { None };
+            *value = own.unwrap_or_else(|| self.far(z, bit));
         }
     }
 
@@ -64,6 +68,9 @@ impl grid::Voxels for Values {
     #[inline]
     fn offset(&self, index: usize) -> f32 {
         let (z, bit) = (index / 64, index % 64);
+        if self.near[z] >> bit & 1 == 0 {
+            return self.far(z, bit);
+        }
         let below = self.near[z] & ((1 << bit) - 1);
         self.offsets[usize::from(self.before[z]) + below.count_ones() as usize]
     }
@@ -135,7 +142,8 @@ impl<'a> Sampling<'a> {
             let is_inside = next.next().is_some_and(|&offset| is_inside(offset));
             inside[i / 64] |= u64::from(is_inside) << (i % 64);
         });
-        Brick::of(place, Values::new(near, offsets), sides(near, inside), Bits::default())
+        let inside = sides(near, inside);
+        Brick::of(place, Values::new(near, inside, offsets), inside, Bits::default())
     }
 
     /// Those of the middles of a brick's voxels along an axis; phantoms are on the border.
