@@ -209,7 +209,8 @@ fn normals_point_outwards() {
     for i in shown {
         let [point, normal] =
             [frame.position[i], frame.normal[i]].map(|v| DVec3::from_array(v.map(f64::from)));
-        assert!((point.length() - 1.0).abs() < 2e-3, "{}", point.length());
+        // What is cut off where the cube of a cell is 0.1 across.
+        assert!((point.length() - 1.0).abs() < 5e-3, "{}", point.length());
         assert!(normal.dot(point.normalize()) > 0.999, "{normal} at {point}");
     }
 }
