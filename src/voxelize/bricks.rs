@@ -231,6 +231,8 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
             // A voxel is not divided: it counts as inside for the part in which F is defined.
             let (empty, inside) = (verdict.empty, verdict.inside_where_defined());
             let regular = verdict.continuous & verdict.in_region;
+            let ends = !verdict.defined & !empty & (u64::MAX >> (BATCH - batch.len()));
+            self.open.iter_mut().for_each(|found| found.meets_end |= ends != 0);
             for (lane, &OpenVoxel { brick, m }) in batch.iter().enumerate() {
                 let bit = |lanes: u64| (lanes >> lane & 1) << m;
                 let brick = &mut bricks[brick];
@@ -333,7 +335,7 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
     }
 
     /// Looks closer at voxels that are neither certified nor dropped.
-    pub(super) fn look_closer(
+    fn look_closer(
         &mut self,
         tape: &Tape,
         bricks: &mut [Brick],

@@ -2,28 +2,32 @@
 //!
 //! Where F is continuous it has one sign in every voxel that is not open, so that two neighbours whose
 //! middles differ in sign are not both closed. Which of the open ones meet the surface the values in
-//! their middles tell at less cost than intervals, corners and gradients of every voxel. Only where F
-//! may be undefined or jump, or a clip's region ends, voxels are told apart as [`super::voxelize`]
-//! does.
+//! their middles tell at less cost than intervals, corners and gradients of every voxel.
+//!
+//! Where F ends with negative values, the inside ends without a surface. Voxels there are not stored,
+//! and a mesh has a piece of that end only where the stored ones reach it; so that it is the same,
+//! they are certified then, all of them.
 
 use std::sync::Arc;
 
 use fearless_simd::{Simd, f32x16, f64x8};
 
 use super::{
-    Precision, Settings,
+    Precision, Settings, Voxelization,
     brick::{BRICK_LEVELS, Brick, places},
     bricks::OpenVoxel,
     corners::Corners,
     frontier_level,
     schedule::{self, Watch},
     search::{Effort, Run, Search},
+    voxelize,
 };
 use crate::{
     Result,
     eval::BATCH,
     expr::{Expr, Tape},
-    math::{Lanes, Lattice, SimdTask},
+    math::{Lanes, Lattice, SimdTask, morton_encode},
+    octree::{MortonOctree, Storage as _},
     progress::Progress,
 };
 
@@ -58,6 +62,8 @@ pub struct OpenVoxels {
     pub bricks: Vec<OpenBrick>,
     /// What it took.
     pub effort: Effort,
+    /// Whether F may end in some voxel, not positive.
+    pub(super) meets_end: bool,
 }
 
 /// Finds the voxels of `lattice` that bounds of the formula over bricks leave open, among them all that
@@ -75,9 +81,32 @@ pub fn open_voxels(
     if lattice.depth() < BRICK_LEVELS {
         let Brick { first, present, .. } = Brick::new([0; 3], lattice.n_voxels());
         let bricks = vec![OpenBrick { first, voxels: present }];
-        return Ok(OpenVoxels { bricks, effort: Effort::default() });
+        return Ok(OpenVoxels { bricks, ..OpenVoxels::default() });
     }
-    settings.simd.run(Task { tape: expr.tape(), lattice, settings, progress })
+    let found = settings.simd.run(Task { tape: expr.tape(), lattice, settings, progress })?;
+    if !found.meets_end {
+        return Ok(found);
+    }
+    let settings = Settings { certify: true, ..*settings };
+    let Voxelization { octree, mut effort, .. } = voxelize(expr, lattice, &settings, progress)?;
+    effort.add(&found.effort);
+    Ok(OpenVoxels { bricks: bricks(&octree), effort, meets_end: true })
+}
+
+/// The bricks of stored voxels.
+fn bricks(octree: &MortonOctree) -> Vec<OpenBrick> {
+    let mut bricks: Vec<OpenBrick> = Vec::new();
+    for part in octree.parts() {
+        octree.visit(part, &mut |voxel| {
+            let first = voxel.ijk.map(|i| i / OpenBrick::EDGE * OpenBrick::EDGE);
+            let bit = 1 << morton_encode(voxel.ijk.map(|i| i % OpenBrick::EDGE));
+            match bricks.last_mut() {
+                Some(brick) if brick.first == first => brick.voxels |= bit,
+                _ => bricks.push(OpenBrick { first, voxels: bit }),
+            }
+        });
+    }
+    bricks
 }
 
 struct Task<'a> {
@@ -117,6 +146,7 @@ impl Task<'_> {
         for mut some in found {
             all.bricks.append(&mut some.bricks);
             all.effort.add(&some.effort);
+            all.meets_end |= some.meets_end;
         }
         Ok(all)
     }
@@ -143,8 +173,6 @@ impl<S: Simd, L: Lanes<Token = S>, const G: usize> Search<S, L, G> {
             irregular.extend(open.map(|m| OpenVoxel { brick, m }));
         }
         self.test_voxels(tape, &mut bricks, &mut irregular);
-        irregular.retain(|voxel| bricks[voxel.brick].regular >> voxel.m & 1 == 0);
-        self.look_closer(tape, &mut bricks, &[], &irregular);
         let is_open = |brick: &&Brick| brick.mixed != 0;
         let open = bricks
             .iter()
