@@ -125,11 +125,11 @@ impl<'a> Sampling<'a> {
 
     /// The brick at a place, with values in the voxels that are near the surface.
     fn brick(&mut self, place: [u32; 3], near: Bits) -> Brick<Values> {
-        const LAST: usize = SIDE as usize - 1;
+        let side = SIDE as usize;
         let [x, y, z] = [0, 1, 2].map(|axis| self.coordinates(axis, place[axis]));
         self.points.clear();
         each_voxel(&near, |i| {
-            self.points.push(DVec3::new(x[i & LAST], y[i / 8 & LAST], z[i / 64]));
+            self.points.push(DVec3::new(x[i % side], y[i / side % side], z[i / side / side]));
         });
         let values = self.sampler.values(self.tapes.of_brick(place), &self.points);
         let mut offsets: Box<[f32]> = values.iter().map(|&value| offset(0.0, value)).collect();

@@ -250,14 +250,14 @@ fn solids_cast_shadows_on_solids() {
     let lamp =
         Light { direction: DVec3::Z, intensity: 1.0, color: [1.0; 3], axes: super::Axes::Scene };
     let lit = |shadows| {
-        let image = ImageSettings { shadows, lights: vec![lamp.clone()], ..image(64) };
+        let image = ImageSettings { shadows, lights: vec![lamp], ..image(64) };
         drawn(std::slice::from_ref(&solid), &camera, &image)
     };
     let (with, without) = (lit(true), lit(false));
     let mut n_dark = 0;
     for i in (0..64 * 64).filter(|&i| with.rgba[i][3] > 0.0) {
         let [x, y, z] = with.position[i].map(f64::from);
-        let from_axis = (x - 16.0).hypot(y - 16.0);
+        let from_axis = DVec3::new(x - 16.0, y - 16.0, 0.0).length();
         let is_dark = with.rgba[i][0] < without.rgba[i][0];
         let is_lit = without.normal[i][2] > 0.1;
         if z < 16.0 && is_lit && from_axis < 3.7 {

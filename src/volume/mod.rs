@@ -128,7 +128,7 @@ impl Volume {
     pub fn has_outside(&self, isovalue: f64) -> bool {
         with_samples!(&self.samples, |values| values
             .iter()
-            .any(|value| !(value.to_f64() >= isovalue)))
+            .any(|value| value.to_f64() < isovalue || value.to_f64().is_nan()))
     }
 
     /// The smallest and the largest sample; NaN is left out, and stands for both where there is no
