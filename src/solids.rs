@@ -33,6 +33,9 @@ pub(crate) fn drawn<'a>(
     shapes: &'a [Shape<'a>],
     progress: &dyn Progress,
 ) -> Result<Vec<raster::Solid<'a>>> {
+    if shapes.is_empty() {
+        return Ok(Vec::new());
+    }
     progress.begin("build octrees", shapes.len() as u64, "solids");
     let solid = |(shape, solid): (&'a Shape<'a>, &Solid)| {
         if progress.is_cancelled() {

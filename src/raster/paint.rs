@@ -49,6 +49,23 @@ pub(super) struct Seen {
     pub(super) reach: Reach,
 }
 
+impl Seen {
+    /// Of a model or a solid, which have no voxels.
+    pub(super) fn without_voxels(layer: usize, depth: f64, normal: DVec3, tint: [f32; 3]) -> Self {
+        Self {
+            layer,
+            depth,
+            normal,
+            certified: Some(true),
+            voxel_size: 0.0,
+            coherence: 1.0,
+            block: None,
+            tint,
+            reach: Reach::ALL,
+        }
+    }
+}
+
 /// The material's colour as it is.
 pub(super) const UNTINTED: [f32; 3] = [1.0; 3];
 

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 
 use super::{
     field::{CHUNK, Chunk, Slopes, Solid},
-    light::Reach,
     paint::{Seen, UNTINTED},
     pierce::{Pierce, Pierced},
     screen::{Ray, Screen},
@@ -78,17 +77,9 @@ impl<'a> Solids<'a> {
                     }
                     let ray = screen.ray(column, row);
                     let Some(pierce) = piercer.first(&ray, farthest) else { continue };
-                    seen[sample] = Some(Seen {
-                        layer: first_layer + placed.solid,
-                        depth: pierce.depth,
-                        normal: piercer.normal(&ray, &pierce),
-                        certified: Some(true),
-                        voxel_size: 0.0,
-                        coherence: 1.0,
-                        block: None,
-                        tint: UNTINTED,
-                        reach: Reach::ALL,
-                    });
+                    let (layer, depth) = (first_layer + placed.solid, pierce.depth);
+                    let normal = piercer.normal(&ray, &pierce);
+                    seen[sample] = Some(Seen::without_voxels(layer, depth, normal, UNTINTED));
                 }
             }
         }

@@ -91,20 +91,7 @@ const MATERIAL: Material =
     Material { color: [0.8; 3], back_color: None, specular: 0.0, shininess: 30 };
 
 fn image(side: u32) -> ImageSettings {
-    ImageSettings {
-        width: side,
-        height: side,
-        background: None,
-        lights: Vec::new(),
-        shadows: false,
-        occlusion: 0.0,
-        matcap: None,
-        shade: Shade::Refine,
-        samples: 1,
-        candidates: true,
-        certificate: false,
-        curvature: false,
-    }
+    ImageSettings { shade: Shade::Refine, ..super::tests::image(side, side) }
 }
 
 fn camera(solid: &Solid<'_>, direction: DVec3) -> Camera {

@@ -13,7 +13,7 @@ use crate::{
 
 const WHITE: [f32; 3] = [0.8; 3];
 
-fn image(width: u32, height: u32) -> ImageSettings {
+pub(super) fn image(width: u32, height: u32) -> ImageSettings {
     ImageSettings {
         width,
         height,

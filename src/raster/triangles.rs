@@ -14,7 +14,6 @@ use rayon::prelude::*;
 use super::{
     Content, Material,
     fit::fold_reach,
-    light::Reach,
     paint::Seen,
     screen::{Ray, Screen},
     tile::{Tile, TileLists},
@@ -102,17 +101,10 @@ impl<'a> Triangles<'a> {
                     let Some(weights) = weights(&corners, &ray) else { continue };
                     let depth = screen.forward.dot(blend(&corners, weights));
                     if depth < farthest && depth >= self.near {
-                        seen[sample] = Some(Seen {
-                            layer: first_layer + placed.model,
-                            depth,
-                            normal: normal(model, placed.triangle, weights),
-                            certified: Some(true),
-                            voxel_size: 0.0,
-                            coherence: 1.0,
-                            block: None,
-                            tint: tint(model, placed.triangle, weights),
-                            reach: Reach::ALL,
-                        });
+                        let normal = normal(model, placed.triangle, weights);
+                        let tint = tint(model, placed.triangle, weights);
+                        let layer = first_layer + placed.model;
+                        seen[sample] = Some(Seen::without_voxels(layer, depth, normal, tint));
                     }
                 }
             }
